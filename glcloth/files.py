@@ -1,0 +1,61 @@
+"""Where the package's data lives, where the cache is, and how files are written: whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import platformdirs
+
+from .errors import InputError
+
+PACKAGE = Path(__file__).resolve().parent
+# A wheel carries the shaders in glcloth/_data; in a checkout they stand beside the package.
+DATA = PACKAGE / "_data" if (PACKAGE / "_data").is_dir() else PACKAGE.parent
+GLSL = DATA / "glsl"
+
+
+def cache_dir() -> Path:
+    """Return the folder for tables made on this machine (`GLCLOTH_CACHE` overrides it); it may not exist yet."""
+    return Path(os.environ.get("GLCLOTH_CACHE") or platformdirs.user_cache_dir("glcloth", appauthor=False))
+
+
+def check_writable(path: str | Path) -> Path:
+    """Return `path` if a file can be made there, so that a long job fails before it starts.
+
+    Raises InputError when the folder is missing or not writable, or when `path` is a folder.
+    """
+    path = Path(path)
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder, expected a file name; give a name such as {path / 'picture.png'}")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: folder {path.parent} does not exist; make it first: mkdir -p {path.parent}")
+    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+        raise InputError(f"{path}: cannot be written, permission denied; choose another output path")
+    return path
+
+
+@contextmanager
+def atomic_write(path: str | Path) -> Iterator[Path]:
+    """Yield a temporary path beside `path`; rename it to `path` on success, delete it on any error or Ctrl-C.
+
+    The temporary name keeps the suffix, because image and mesh libraries choose the format by it.
+    """
+    path = check_writable(path)
+    handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    temporary = Path(name)
+    try:
+        yield temporary
+        # mkstemp makes private files; the result should have the user's ordinary permissions.
+        mask = os.umask(0)
+        os.umask(mask)
+        temporary.chmod(0o666 & ~mask)
+        os.replace(temporary, path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be written ({error.strerror or error}); choose another output path") from None
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,65 @@
+"""Progress of long work, on stderr; silent when stderr is not a terminal or the work is done within a second."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from typing import TypeVar
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+T = TypeVar("T")
+console = Console(stderr=True)
+
+
+def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T]:
+    """Yield `items`, and after one second show a bar that says `what` is being done.
+
+    On a terminal it is a live bar; elsewhere one line every ten seconds, so that a log still shows life.
+    """
+    if total is None:
+        total = len(items) if hasattr(items, "__len__") else None
+    begin = said = time.monotonic()
+    bar = None
+    task = None
+    try:
+        for done, item in enumerate(items):
+            now = time.monotonic()
+            if console.is_terminal:
+                if bar is None and now - begin > 1.0:
+                    bar = Progress(
+                        TextColumn("{task.description}"),
+                        BarColumn(),
+                        MofNCompleteColumn(),
+                        TimeRemainingColumn(),
+                        console=console,
+                        transient=True,
+                    )
+                    task = bar.add_task(what, total=total)
+                    bar.start()
+                if bar is not None:
+                    bar.update(task, completed=done)
+            elif now - said > 10.0:
+                said = now
+                print(f"glcloth: {what}: {done} of {total if total is not None else '?'}", file=sys.stderr, flush=True)
+            yield item
+    finally:
+        if bar is not None:
+            bar.stop()
+
+
+def say(line: str) -> None:
+    """Print one line of information on stderr (stdout is kept for results)."""
+    print(line, file=sys.stderr, flush=True)
+
+
+_warned: set[str] = set()
+
+
+def warn(line: str) -> None:
+    """Print one warning on stderr; the same line is said once per process."""
+    if line not in _warned:
+        _warned.add(line)
+        print(f"glcloth: warning: {line}", file=sys.stderr, flush=True)
