@@ -1,0 +1,253 @@
+"""Fabrics: what a weave is made of, as frozen values read from TOML."""
+
+from __future__ import annotations
+
+import difflib
+import tomllib
+from functools import cached_property
+from pathlib import Path
+from typing import Annotated, Literal, NamedTuple
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from .errors import InputError
+from .files import PACKAGE, atomic_write
+
+FABRICS = PACKAGE / "fabrics"
+MAX_TANGENTS = 32  # distinct tangents of a fabric, both yarns together; core/shared.glsl says the same
+
+
+def _about(unit: str, text: str, **limits):
+    """A field with its unit and help text: files, errors, documents and the window's controls all read these."""
+    return Field(description=text, json_schema_extra={"unit": unit}, **limits)
+
+
+Albedo = Annotated[float, Field(ge=0.0, le=1.0)]
+Tilt = Annotated[float, Field(ge=-90.0, le=90.0)]
+Length = Annotated[float, Field(ge=0.0)]
+
+
+class Tangent(NamedTuple):
+    """One distinct tangent: equal tilts of a yarn are merged, `count` says how many samples it stands for."""
+
+    yarn: int
+    tilt: float  # radians
+    count: int
+
+
+class Yarn(BaseModel):
+    """One of the two yarns of a weave: the parameters of paper A, equation 5, and its tangent curve."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    albedo: tuple[Albedo, Albedo, Albedo] = _about("linear Rec. 709", "colour of the volume term, A")
+    eta: float = _about("", "index of refraction", gt=1.0, le=3.0)
+    k_d: float = _about("", "isotropic share of the volume term", ge=0.0, le=1.0)
+    gamma_s_deg: float = _about("degrees", "width of the surface lobe", ge=0.5, le=60.0)
+    gamma_v_deg: float = _about("degrees", "width of the volume lobe", ge=0.5, le=60.0)
+    area: float = _about("", "share of the weave's area, a_j", ge=0.0, le=1.0)
+    curve_angles_deg: tuple[Tilt, ...] | None = _about("degrees", "control angles of the tangent curve", default=None)
+    curve_lengths: tuple[Length, ...] | None = _about("", "segment lengths of the curve (0 = jump)", default=None)
+    samples: int | None = _about("", "samples equally spaced along the curve, ends included", default=None, ge=1, le=32)
+    tangents_deg: tuple[Tilt, ...] | None = _about("degrees", "the tangents themselves, instead of a curve", default=None)
+
+    @model_validator(mode="after")
+    def _one_description_of_the_tangents(self):
+        curve = (self.curve_angles_deg, self.curve_lengths, self.samples)
+        if self.tangents_deg is not None:
+            if any(part is not None for part in curve):
+                raise ValueError("has tangents_deg and a curve, expected one of them; delete the other")
+            if not 1 <= len(self.tangents_deg) <= 32:
+                raise ValueError(f"tangents_deg has {len(self.tangents_deg)} angles, expected 1 to 32")
+            return self
+        if any(part is None for part in curve):
+            raise ValueError("needs curve_angles_deg, curve_lengths and samples, or tangents_deg instead of the three")
+        if len(self.curve_angles_deg) < 2:
+            raise ValueError("curve_angles_deg has fewer than 2 angles; give the curve's start and end")
+        if len(self.curve_lengths) != len(self.curve_angles_deg) - 1:
+            raise ValueError(
+                f"curve_lengths has {len(self.curve_lengths)} lengths, expected {len(self.curve_angles_deg) - 1}, "
+                f"one between each two of the {len(self.curve_angles_deg)} angles"
+            )
+        if sum(self.curve_lengths) <= 0:
+            raise ValueError("curve_lengths are all 0; give at least one segment a length")
+        return self
+
+    @cached_property
+    def tilts_deg(self) -> tuple[float, ...]:
+        """The sampled tangents C_j in degrees, equal ones repeated."""
+        if self.tangents_deg is not None:
+            return self.tangents_deg
+        ends = np.concatenate([[0.0], np.cumsum(self.curve_lengths)])
+        at = np.linspace(0.0, ends[-1], self.samples) if self.samples > 1 else np.array([ends[-1] / 2])
+        tilts = []
+        for s in at:
+            # A sample that falls on a jump takes the side before it, except at the very start.
+            segment = int(np.clip(np.searchsorted(ends, s, side="left") - 1, 0, len(self.curve_lengths) - 1))
+            while self.curve_lengths[segment] == 0.0:
+                segment += 1
+            u = (s - ends[segment]) / self.curve_lengths[segment]
+            a, b = self.curve_angles_deg[segment : segment + 2]
+            tilts.append(round(float(a + (b - a) * min(max(u, 0.0), 1.0)), 9))
+        return tuple(tilts)
+
+
+class Transmission(BaseModel):
+    """Paper B's terms for the ray tracer: how light passes through the weave."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    k_a: float = _about("", "share of diffuse transmission", default=0.3, ge=0.0, le=1.0)
+    k_t: float = _about("", "share of directed transmission", default=0.5, ge=0.0, le=1.0)
+    tau: float = _about("", "optical depth of the yarns", default=0.5, ge=0.0, le=20.0)
+    rho: float = _about("", "yarn density: covered share of the area", default=0.6, ge=0.0, le=1.0)
+    roughness: float = _about("", "GGX roughness r", default=0.4, ge=0.01, le=1.0)
+    eta_1: float = _about("", "refractive index outside", default=1.0, ge=1.0, le=3.0)
+    eta_2: float = _about("", "refractive index of the yarn", default=1.5, ge=1.0, le=3.0)
+
+
+class Fabric(BaseModel):
+    """A fabric: two yarns, the width of shadowing and masking, and which normalisation of W holds.
+
+    `normalization` "sadeghi": W = M P / Q with Q = sum_t w_t P + (1 - a_1 - a_2) max(omega_o . N, 0), w_t = a_j / N_j.
+    "paper": equation 6 of paper A as printed, W = M P / sum_t P, without gaps and without 1 / N_j.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    name: str = Field(min_length=1)
+    normalization: Literal["sadeghi", "paper"] = "sadeghi"
+    sigma_deg: float = _about("degrees", "width of shadowing and masking", default=20.0, ge=1.0, le=90.0)
+    yarn: tuple[Yarn, ...]
+    transmission: Transmission | None = None
+
+    @model_validator(mode="after")
+    def _two_yarns_on_one_area(self):
+        if len(self.yarn) != 2:
+            raise ValueError(f"has {len(self.yarn)} yarns, expected exactly two [[yarn]] blocks")
+        if sum(y.area for y in self.yarn) > 1.0 + 1e-9:
+            raise ValueError(f"the areas add up to {sum(y.area for y in self.yarn):g}, expected at most 1")
+        if len(self.tangents) > MAX_TANGENTS:
+            raise ValueError(f"has {len(self.tangents)} distinct tangents, expected at most {MAX_TANGENTS}")
+        return self
+
+    @cached_property
+    def tangents(self) -> tuple[Tangent, ...]:
+        """The distinct tangents of both yarns with their multiplicities."""
+        out = []
+        for j, yarn in enumerate(self.yarn):
+            counts: dict[float, int] = {}
+            for tilt in yarn.tilts_deg:
+                counts[tilt] = counts.get(tilt, 0) + 1
+            out += [Tangent(j, float(np.radians(tilt)), count) for tilt, count in sorted(counts.items())]
+        return tuple(out)
+
+    @property
+    def sigma(self) -> float:
+        """Width of shadowing and masking in radians."""
+        return float(np.radians(self.sigma_deg))
+
+    @property
+    def gap(self) -> float:
+        """The area that no yarn covers, 1 - a_1 - a_2, as W's normaliser counts it (0 in the paper's printed form)."""
+        return max(0.0, 1.0 - self.yarn[0].area - self.yarn[1].area) if self.normalization == "sadeghi" else 0.0
+
+    @cached_property
+    def weights(self) -> np.ndarray:
+        """[tangents, 2]: the factor of each distinct tangent in the sum over tangents, and its factor in W's normaliser.
+
+        sadeghi: both are a_j count / N_j. paper (equation 6 as printed): a_j count, and count.
+        """
+        rows = []
+        for yarn, _, count in self.tangents:
+            if self.normalization == "sadeghi":
+                w = self.yarn[yarn].area * count / len(self.yarn[yarn].tilts_deg)
+                rows.append((w, w))
+            else:
+                rows.append((self.yarn[yarn].area * count, float(count)))
+        return np.array(rows)
+
+
+def builtin_fabrics() -> list[str]:
+    """Names of the fabrics that come with glcloth."""
+    return sorted(path.stem for path in FABRICS.glob("*.toml"))
+
+
+def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
+    """Return a built-in fabric by name, or one read from a TOML file.
+
+    Raises InputError for an unknown name (with a suggestion), a missing or malformed file, an unknown key or a value
+    out of its range.
+    """
+    if isinstance(name_or_path, Fabric):
+        return name_or_path
+    text = str(name_or_path)
+    path = Path(text)
+    if path.suffix != ".toml" and not path.is_file():
+        names = builtin_fabrics()
+        if text in names:
+            path = FABRICS / f"{text}.toml"
+        else:
+            close = difflib.get_close_matches(text.lower(), names, 1, 0.4)
+            hint = f'; did you mean "{close[0]}"?' if close else ""
+            raise InputError(f'fabric "{text}": not a built-in fabric ({", ".join(names)}) and not a .toml file{hint}')
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; expected a fabric file (.toml)") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a text file ({error}); expected a fabric file (.toml)") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not TOML: {error}") from None
+    return parse_fabric(data, str(path))
+
+
+def parse_fabric(data: dict, where: str = "fabric") -> Fabric:
+    """Return the Fabric of a plain dictionary (a parsed TOML file); `where` names its origin in errors."""
+    try:
+        return Fabric.model_validate(data)
+    except ValidationError as error:
+        raise InputError(f"{where}: {_first_problem(error)}") from None
+
+
+def _first_problem(error: ValidationError) -> str:
+    """One line for the first problem that pydantic found; the number of further ones behind it."""
+    problems = error.errors()
+    problem = problems[0]
+    place = []
+    model: type[BaseModel] | None = Fabric
+    for part in problem["loc"]:
+        if isinstance(part, int) and place and place[-1] == "yarn":
+            place[-1] = f"yarn {part + 1}"
+            model = Yarn
+        elif isinstance(part, int):
+            place.append(f"item {part + 1}")
+        else:
+            if part == "transmission":
+                model = Transmission
+            place.append(str(part))
+    where = ": ".join(place)
+    kind, value = problem["type"], problem.get("input")
+    if kind == "extra_forbidden":
+        known = list((model or Fabric).model_fields)
+        close = difflib.get_close_matches(place[-1], known, 1, 0.5)
+        hint = f"; did you mean {close[0]}?" if close else f"; known keys: {', '.join(known)}"
+        text = f"{where}: unknown key{hint}"
+    elif kind == "missing":
+        text = f"{where}: is missing; add it"
+    elif kind == "value_error":
+        text = f"{where}: {problem['ctx']['error']}" if where else str(problem["ctx"]["error"])
+    else:
+        text = f"{where} = {value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}"
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return text + more
+
+
+def save_fabric(path: str | Path, fabric: Fabric) -> None:
+    """Write a fabric file that `load_fabric` reads back to an equal Fabric. Raises InputError if it cannot be written."""
+    import tomli_w
+
+    data = fabric.model_dump(exclude_none=True)
+    with atomic_write(path) as temporary:
+        temporary.write_text(tomli_w.dumps(data), encoding="utf-8")
