@@ -1,0 +1,38 @@
+"""What a method may be told beside the fabric and the lights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..environment import Environment
+
+MethodName = Literal["direct", "paper", "reference"]
+Quality = Literal["draft", "normal", "high"]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """How to shade.
+
+    Parameters
+    ----------
+    quality : schedule of the direct method
+    segments : theta segments of the paper method   [Miz section 3.1]
+    light : "sg" the fitted lights, "map" the environment itself (method reference only)
+    cube : edge of the cube map whose directions the reference sums
+    contribution, grid : of the paper method's tables
+    environment, rotation : the map, and its rotation matrix [3, 3] (new direction = rotation @ direction), for light "map"
+    """
+
+    quality: Quality = "normal"
+    segments: int = 6
+    light: Literal["sg", "map"] = "sg"
+    cube: int = 32
+    contribution: float = 0.9
+    grid: int = 48
+    environment: Environment | None = None
+    rotation: np.ndarray | None = None

@@ -1,0 +1,122 @@
+"""The G-buffer: which surface frame every pixel sees, and the camera rays that go with it."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from . import shader
+from .camera import Camera
+from .mesh import Mesh
+
+FRAME_UNITS = (3, 4)  # texture units of frame_N and frame_x, as passes/gbuffer.glsl declares them
+
+
+class MeshBuffers:
+    """One mesh on the GPU."""
+
+    def __init__(self, ctx: moderngl.Context, mesh: Mesh):
+        self.mesh = mesh
+        vertices = np.concatenate([mesh.positions, mesh.normals, mesh.tangents], axis=1).astype("f4")
+        self.vertices = ctx.buffer(vertices.tobytes())
+        self.indices = ctx.buffer(mesh.triangles.astype("i4").tobytes())
+        self.low, self.high = mesh.positions.min(0), mesh.positions.max(0)
+
+    def release(self) -> None:
+        self.vertices.release()
+        self.indices.release()
+
+
+class GBuffer:
+    """Frames and depth of one view; `shade` runs a program for each covered pixel, hidden ones cost nothing."""
+
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int]):
+        self.ctx, self.size = ctx, size
+        self.frame_N = ctx.texture(size, 4, dtype="f4")
+        self.frame_x = ctx.texture(size, 4, dtype="f4")
+        self.color = ctx.texture(size, 4, dtype="f4")
+        for texture in (self.frame_N, self.frame_x, self.color):
+            texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        self.depth = ctx.depth_texture(size)
+        self.frames = ctx.framebuffer([self.frame_N, self.frame_x], self.depth)
+        self.target = ctx.framebuffer([self.color], self.depth)
+        self.program = shader.program(ctx, "passes/surface.vert", "passes/surface.frag")
+        self.ray_from_pixel = np.eye(3)
+
+    def draw(self, mesh: MeshBuffers, camera: Camera, offset=(0.0, 0.0)) -> None:
+        """Fill the frames and the depth with one mesh, seen by `camera`, each pixel sampled at its centre + `offset`."""
+        near, far = camera.depth_range(mesh.low, mesh.high)
+        clip = camera.clip_from_world(self.size, near, far, offset)
+        self.ray_from_pixel = camera.ray_from_pixel(self.size, offset)
+        self.program["clip_from_world"].write(clip.T.astype("f4").tobytes())
+        self.program["eye"].value = camera.eye
+        layout = [(mesh.vertices, "3f 3f 4f", "in_position", "in_normal", "in_tangent")]
+        array = self.ctx.vertex_array(self.program, layout, mesh.indices, 4)
+        self.frames.use()
+        self.frames.viewport = (0, 0, *self.size)
+        self.frames.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+        self.ctx.enable_only(moderngl.DEPTH_TEST)
+        self.ctx.depth_func = "<"
+        self.frames.depth_mask = True
+        array.render()
+        array.release()
+
+    def clear_color(self) -> None:
+        """Black, alpha 0, everywhere."""
+        self.target.use()
+        self.target.color_mask = (True, True, True, True)
+        self.target.clear(0.0, 0.0, 0.0, 0.0)
+
+    def bind(self, program) -> None:
+        """Give a program that includes passes/gbuffer.glsl its frames and rays."""
+        self.frame_N.use(FRAME_UNITS[0])
+        self.frame_x.use(FRAME_UNITS[1])
+        if "ray_from_pixel" in program:
+            program["ray_from_pixel"].write(self.ray_from_pixel.T.astype("f4").tobytes())
+
+    def shade(self, program, add: bool = False) -> None:
+        """Run a program of passes/screen.vert for every covered pixel; `add` its colour instead of setting it.
+
+        The screen triangle lies on the far plane and passes where something nearer was drawn, so early depth testing
+        drops uncovered pixels before they are shaded.
+        """
+        self.bind(program)
+        self.target.use()
+        self.target.viewport = (0, 0, *self.size)
+        self.target.depth_mask = False
+        self.ctx.enable_only(moderngl.DEPTH_TEST | (moderngl.BLEND if add else 0))
+        self.ctx.depth_func = ">"
+        if add:
+            self.ctx.blend_func = moderngl.ONE, moderngl.ONE
+        array = self.ctx.vertex_array(program, [])
+        array.render(moderngl.TRIANGLES, vertices=3)
+        array.release()
+        self.ctx.depth_func = "<"
+        self.ctx.enable_only(moderngl.NOTHING)
+
+    def fill_behind(self, program) -> None:
+        """Run a program over the whole screen, behind what was shaded: weighted by what the cloth leaves uncovered."""
+        if "ray_from_pixel" in program:
+            program["ray_from_pixel"].write(self.ray_from_pixel.T.astype("f4").tobytes())
+        self.target.use()
+        self.ctx.enable_only(moderngl.BLEND)
+        self.ctx.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
+        array = self.ctx.vertex_array(program, [])
+        array.render(moderngl.TRIANGLES, vertices=3)
+        array.release()
+        self.ctx.enable_only(moderngl.NOTHING)
+
+    def read(self) -> np.ndarray:
+        """The shaded picture, float32 [H, W, 4], top row first; alpha 1 where covered."""
+        data = np.frombuffer(self.color.read(), "f4").reshape(self.size[1], self.size[0], 4)
+        return data[::-1].copy()
+
+    def covered(self) -> np.ndarray:
+        """bool [H, W], top row first: which pixels see the mesh."""
+        data = np.frombuffer(self.frame_N.read(), "f4").reshape(self.size[1], self.size[0], 4)
+        return data[::-1, :, 3] != 0.0
+
+    def release(self) -> None:
+        for thing in (self.frames, self.target, self.frame_N, self.frame_x, self.color, self.depth):
+            thing.release()
+        self.program.release()

@@ -1,0 +1,320 @@
+"""The renderer: a scene in, a linear picture out; the same shader functions for given directions."""
+
+from __future__ import annotations
+
+import gc
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+
+from . import shader
+from .camera import Camera
+from .cloth.brute import Reference
+from .cloth.scene_buffers import SceneBuffers
+from .cloth.settings import MethodName, Quality, Settings
+from .context import create_context
+from .environment import Environment, load_environment, rotation_y
+from .errors import InputError
+from .fabric import Fabric, load_fabric
+from .lights import Lights, SphericalGaussians, as_lights
+from .mesh import Mesh, load_mesh
+from .progress import track
+from .raster import GBuffer, MeshBuffers
+from .scene import Scene, load_scene
+
+METHODS = {"reference": Reference}
+# TEMPORARY until every part has landed
+try:
+    from .cloth.direct import Direct
+
+    METHODS["direct"] = Direct
+except ImportError:
+    pass
+try:
+    from .cloth.paper import Paper
+
+    METHODS["paper"] = Paper
+except ImportError:
+    pass
+try:
+    from .fit import fit_lights
+except ImportError:
+    fit_lights = None
+BACKGROUND_UNIT = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A scene whose files are read and whose lights are fitted: what one draw needs. `Renderer.prepare` makes it."""
+
+    scene: Scene
+    fabric: Fabric
+    mesh: Mesh
+    environment: Environment
+    lights: Lights  # in world space, rotation included
+    camera: Camera
+    settings: Settings
+
+
+def default_camera(mesh: Mesh, scene: Scene) -> Camera:
+    """The camera of a scene; what the scene leaves open is chosen so that the mesh fills the picture."""
+    view, size = scene.camera, scene.size
+    fitted = mesh_camera(mesh, size[0] / size[1])
+    fov_deg = view.fov_deg or fitted.fov_deg
+    return Camera(view.eye or fitted.eye, view.target or fitted.target, view.up, fov_deg)
+
+
+def mesh_camera(mesh: Mesh, aspect: float) -> Camera:
+    """The camera that shows a mesh well: its own for the built-in cloth, else one that frames its bounds."""
+    low, high = mesh.bounds
+    return Camera.framing(low, high, aspect=aspect)
+
+
+class Renderer:
+    """Renders scenes and evaluates radiances on one OpenGL context; use it as a context manager.
+
+    Parameters
+    ----------
+    device : EGL device index (`glcloth info` lists them); None takes the best
+    ctx : an existing moderngl context (OpenGL >= 4.3), current; it is then not released here
+
+    Raises NoOpenGLError when no context can be made.
+    """
+
+    def __init__(self, device: int | None = None, ctx: moderngl.Context | None = None):
+        self._owns_context = ctx is None
+        self.ctx = create_context(device) if ctx is None else ctx
+        self.shared = SceneBuffers(self.ctx)
+        self._methods: dict[str, object] = {}
+        self._programs: dict[tuple, object] = {}
+        self._meshes: dict[int, MeshBuffers] = {}
+        self._fits: dict[tuple, tuple] = {}
+        self._gbuffer: GBuffer | None = None
+        self._background: tuple[Environment, moderngl.Texture] | None = None
+
+    def __enter__(self) -> Renderer:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Free the context and all that lives on it."""
+        if self._owns_context and self.ctx is not None:
+            gc.collect()  # objects that wait for collection must go while their context is alive
+            self.ctx.release()
+        self.ctx = None
+
+    # -- from a scene to a frame ---------------------------------------------------------------------------------
+
+    def prepare(
+        self,
+        scene: Scene | str | None = None,
+        *,
+        fabric: Fabric | str | None = None,
+        mesh: Mesh | str | None = None,
+        environment: Environment | str | None = None,
+        lights: Lights | SphericalGaussians | None = None,
+        camera: Camera | None = None,
+        **changes,
+    ) -> Frame:
+        """Read the files of a scene and fit its lights. Parameters as for `render`."""
+        scene = load_scene(scene) if isinstance(scene, str) else scene or Scene()
+        scene = scene.changed(**changes) if changes else scene
+        fabric = load_fabric(scene.fabric if fabric is None else fabric)
+        mesh = mesh if isinstance(mesh, Mesh) else load_mesh(mesh or scene.mesh)
+        if not isinstance(environment, Environment):
+            environment = load_environment(environment or scene.env)
+        rotation = rotation_y(scene.env_rotate)
+        if lights is None:
+            lights = self._fitted(environment, scene.lobes).rotated(rotation)
+        settings = Settings(
+            scene.quality,
+            scene.segments,
+            scene.light,
+            scene.cube,
+            scene.contribution,
+            scene.grid,
+            environment,
+            rotation,
+        )
+        camera = camera or default_camera(mesh, scene)
+        return Frame(scene, fabric, mesh, environment, as_lights(lights), camera, settings)
+
+    def _fitted(self, environment: Environment, lobes) -> Lights:
+        key = (id(environment), lobes)
+        if key not in self._fits:
+            # The environment is kept with its fit: an id is only unique while its object lives.
+            self._fits[key] = (environment, fit_lights(environment, lobes))
+        return self._fits[key][1]
+
+    # -- from a frame to pixels ----------------------------------------------------------------------------------
+
+    def render(self, scene: Scene | str | None = None, **changes) -> np.ndarray:
+        """Render one picture.
+
+        Parameters
+        ----------
+        scene : a Scene, the name of a built-in one, or a file; default: silk on the built-in cloth in the studio
+        fabric, mesh, environment : a name, a file, or the object itself
+        lights : Lights or SphericalGaussians in world space instead of a fit of the environment
+        camera : Camera instead of the scene's
+        any other keyword : a field of Scene, for example method="reference", size=(320, 240), spp=4
+
+        Returns float32 [H, W, 3], linear Rec. 709, top row first; [H, W, 4] with premultiplied alpha when the
+        background is off. Raises InputError for wrong input, and what the methods raise.
+        """
+        frame = self.prepare(scene, **changes)
+        self.draw(frame)
+        picture = self._target(frame.scene.size).read()
+        return picture[..., :3] if frame.scene.background else picture
+
+    def draw(self, frame: Frame) -> None:
+        """Draw a frame into the G-buffer's colour target; nothing is read back."""
+        scene = frame.scene
+        buffer = self._target(scene.size)
+        mesh = self._mesh(frame.mesh)
+        method = self.method(scene.method)
+        self.shared.prepare(frame.fabric, frame.lights)
+        method.prepare(frame.fabric, frame.lights, frame.settings)
+        program = self.program("passes/shade.frag", method)
+        buffer.clear_color()
+        passes = list(method.passes())
+        jobs = [(offset, uniforms) for offset in sample_offsets(scene.spp) for uniforms in passes]
+        drawn = None
+        steps = track(jobs, f"{scene.method}: passes over the picture") if len(jobs) > 1 else jobs
+        for offset, uniforms in steps:
+            if offset != drawn:
+                buffer.draw(mesh, frame.camera, offset)
+                drawn = offset
+            self.shared.bind(program)
+            method.bind(program)
+            shader.set_uniforms(program, pass_weight=1.0 / scene.spp, pass_cover=1.0 / (scene.spp * len(passes)), **uniforms)
+            buffer.shade(program, add=len(jobs) > 1)
+            if len(jobs) > 1:
+                self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard between passes
+        if scene.background:
+            self._draw_background(buffer, frame)
+
+    def radiance(
+        self,
+        fabric: Fabric | str,
+        omega_o: np.ndarray,
+        lights: Lights | SphericalGaussians,
+        method: MethodName = "direct",
+        quality: Quality = "normal",
+        **settings,
+    ) -> np.ndarray:
+        """Radiance toward given directions at one point, by the shaders that render pictures.
+
+        Parameters
+        ----------
+        fabric : Fabric, built-in name or file
+        omega_o : [N, 3] unit, in the surface frame (x = yarn 1, y = yarn 2, z = N), away from the surface
+        lights : in that same frame
+        method, quality : as for `render`; other keywords are fields of Settings (segments, cube, contribution, ...)
+
+        Returns float32 [N, 3], linear; 0 where omega_o is below the surface. Raises InputError for wrong input.
+        """
+        omega_o = np.atleast_2d(np.asarray(omega_o, np.float32))
+        if omega_o.ndim != 2 or omega_o.shape[1] != 3 or not np.isfinite(omega_o).all():
+            raise InputError(f"omega_o has shape {omega_o.shape}, expected [N, 3] finite unit directions")
+        fabric, lights = load_fabric(fabric), as_lights(lights)
+        chosen = self.method(method)
+        self.shared.prepare(fabric, lights)
+        chosen.prepare(fabric, lights, Settings(quality=quality, **settings))
+        program = self.program("passes/radiance.comp", chosen)
+        count = len(omega_o)
+        directions = np.zeros((max(count, 1), 4), "f4")
+        directions[:count, :3] = omega_o
+        source = self.ctx.buffer(directions.tobytes())
+        result = self.ctx.buffer(np.zeros_like(directions).tobytes())
+        try:
+            self.shared.bind(program)
+            chosen.bind(program)
+            source.bind_to_storage_buffer(0)
+            result.bind_to_storage_buffer(1)
+            for uniforms in chosen.passes():
+                shader.set_uniforms(program, first=0, count=count, **uniforms)
+                program.run((count + 63) // 64)
+                # The next pass adds to what this one wrote.
+                self.ctx.memory_barrier(moderngl.SHADER_STORAGE_BARRIER_BIT)
+            return np.frombuffer(result.read(), "f4").reshape(-1, 4)[:count, :3].copy()
+        finally:
+            source.release()
+            result.release()
+
+    # -- what is kept between draws ------------------------------------------------------------------------------
+
+    def method(self, name: MethodName):
+        """The method of a name, made at first use."""
+        if name not in METHODS:
+            raise InputError(f"method {name!r}: expected one of {', '.join(METHODS)}")
+        if name not in self._methods:
+            self._methods[name] = METHODS[name](self.ctx)
+        return self._methods[name]
+
+    def program(self, pass_path: str, method):
+        """The program of a pass with a method, compiled at first use. Raises ShaderError."""
+        defines = method.defines()
+        key = (pass_path, method.source, tuple(sorted(defines.items())))
+        if key not in self._programs:
+            virtual = {"method.glsl": method.source}
+            if pass_path.endswith(".comp"):
+                self._programs[key] = shader.compute(self.ctx, pass_path, defines, virtual)
+            else:
+                self._programs[key] = shader.program(self.ctx, "passes/screen.vert", pass_path, defines, virtual)
+        return self._programs[key]
+
+    @property
+    def gbuffer(self) -> GBuffer:
+        """The G-buffer of the last draw."""
+        return self._gbuffer
+
+    def _target(self, size: tuple[int, int]) -> GBuffer:
+        limit = self.ctx.info["GL_MAX_TEXTURE_SIZE"]
+        if max(size) > limit:
+            raise InputError(f"size {size[0]}x{size[1]}: this OpenGL draws at most {limit} pixels a side; choose less")
+        if self._gbuffer is None or self._gbuffer.size != tuple(size):
+            if self._gbuffer is not None:
+                self._gbuffer.release()
+            self._gbuffer = GBuffer(self.ctx, tuple(size))
+        return self._gbuffer
+
+    def _mesh(self, mesh: Mesh) -> MeshBuffers:
+        key = id(mesh)
+        if key not in self._meshes:
+            for buffers in self._meshes.values():
+                buffers.release()
+            self._meshes = {key: MeshBuffers(self.ctx, mesh)}
+        return self._meshes[key]
+
+    def _draw_background(self, buffer: GBuffer, frame: Frame) -> None:
+        environment = frame.environment
+        if self._background is None or self._background[0] is not environment:
+            if self._background is not None:
+                self._background[1].release()
+            height, width = environment.radiance.shape[:2]
+            texture = self.ctx.texture((width, height), 3, environment.radiance.tobytes(), dtype="f4", alignment=4)
+            texture.repeat_x, texture.repeat_y = True, False
+            texture.filter = moderngl.LINEAR, moderngl.LINEAR
+            self._background = environment, texture
+        key = ("background",)
+        if key not in self._programs:
+            self._programs[key] = shader.program(self.ctx, "passes/screen.vert", "passes/background.frag")
+        program = self._programs[key]
+        self._background[1].use(BACKGROUND_UNIT)
+        program["environment_from_world"].write(rotation_y(-frame.scene.env_rotate).T.astype("f4").tobytes())
+        buffer.fill_behind(program)
+
+
+def sample_offsets(spp: int) -> list[tuple[float, float]]:
+    """Where in the pixel the samples lie, relative to its centre: the R2 sequence, one sample at the centre.
+
+    Roberts 2018, "The unreasonable effectiveness of quasirandom sequences": evenly spread for any number of samples.
+    """
+    if spp == 1:
+        return [(0.0, 0.0)]
+    g = 1.32471795724474602596
+    return [(float((0.5 + n / g) % 1.0 - 0.5), float((0.5 + n / g**2) % 1.0 - 0.5)) for n in range(spp)]
