@@ -75,11 +75,10 @@ class Camera:
         return max(float(depth.min()) - 0.01 * extent, 1e-3 * far), far
 
     @staticmethod
-    def framing(low, high, direction=(0.35, 0.25, 1.0), fov_deg: float = 35.0, aspect: float = 4 / 3) -> Camera:
-        """A camera that looks along -direction at the box [low, high] and just holds its bounding sphere."""
-        low, high = np.asarray(low, float), np.asarray(high, float)
-        centre, radius = (low + high) / 2, max(float(np.linalg.norm(high - low)) / 2, 1e-6)
+    def framing(center, radius: float, direction=(0.35, 0.25, 1.0), fov_deg: float = 35.0, aspect: float = 4 / 3) -> Camera:
+        """A camera that looks along -direction at a sphere and just holds it."""
         half = np.radians(fov_deg) / 2
         half = min(half, np.arctan(np.tan(half) * aspect))
-        eye = centre + vector.normalise(np.asarray(direction, float)) * radius / np.sin(half)
-        return Camera(tuple(eye), tuple(centre), (0.0, 1.0, 0.0), fov_deg)
+        toward = vector.normalise(np.asarray(direction, float))
+        eye = np.asarray(center, float) + toward * max(radius, 1e-6) / np.sin(half)
+        return Camera(tuple(eye), tuple(center), (0.0, 1.0, 0.0), fov_deg)

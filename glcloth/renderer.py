@@ -67,8 +67,7 @@ def default_camera(mesh: Mesh, scene: Scene) -> Camera:
 
 def mesh_camera(mesh: Mesh, aspect: float) -> Camera:
     """The camera that shows a mesh well: its own for the built-in cloth, else one that frames its bounds."""
-    low, high = mesh.bounds
-    return Camera.framing(low, high, aspect=aspect)
+    return Camera.framing(mesh.center, mesh.radius, aspect=aspect)
 
 
 class Renderer:
@@ -165,7 +164,10 @@ class Renderer:
         Returns float32 [H, W, 3], linear Rec. 709, top row first; [H, W, 4] with premultiplied alpha when the
         background is off. Raises InputError for wrong input, and what the methods raise.
         """
-        frame = self.prepare(scene, **changes)
+        return self.render_frame(self.prepare(scene, **changes))
+
+    def render_frame(self, frame: Frame) -> np.ndarray:
+        """Draw a prepared frame and read it back; returns what `render` returns."""
         self.draw(frame)
         picture = self._target(frame.scene.size).read()
         return picture[..., :3] if frame.scene.background else picture
@@ -266,6 +268,10 @@ class Renderer:
             else:
                 self._programs[key] = shader.program(self.ctx, "passes/screen.vert", pass_path, defines, virtual)
         return self._programs[key]
+
+    def covered_pixels(self) -> int:
+        """How many pixels of the last draw see the cloth."""
+        return int(self._gbuffer.covered().sum())
 
     @property
     def gbuffer(self) -> GBuffer:

@@ -64,6 +64,8 @@ class Scene(BaseModel):
             value = tuple(int(p) for p in parts)
         if any(not 1 <= v <= 16384 for v in value):
             raise ValueError(f"expected 1 to 16384 pixels a side, not {value[0]}x{value[1]}")
+        if value[0] * value[1] > 2**26:
+            raise ValueError(f"expected at most 67 million pixels, not {value[0]}x{value[1]}")
         return value
 
     @field_validator("lobes", mode="before")

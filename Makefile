@@ -1,0 +1,53 @@
+# make demo   draped silk under an HDR environment, from a bare checkout
+# make test   the tests
+# make lint   style
+SHELL := /bin/bash
+VENV := .venv
+RUN := $(VENV)/bin/
+SYSTEM := libegl1 libgl1 libgl1-mesa-dri
+
+.PHONY: demo test lint equations clean
+
+demo: $(VENV)/.installed
+	$(RUN)glcloth render drape --method paper --spp 4 -o demo.png
+	@echo "The picture is $(CURDIR)/demo.png. More: $(RUN)glcloth --help"
+
+test: $(VENV)/.tests
+	$(RUN)ruff check .
+	$(RUN)ruff format --check .
+	$(RUN)pytest -m "not slow"
+
+lint: $(VENV)/.tests
+	$(RUN)ruff check --fix .
+	$(RUN)ruff format .
+
+equations: # equation -> GLSL -> twin
+	@grep -rnoE "\[(Miz|Mat)[^]]*\]" glsl glcloth --include=*.glsl --include=*.py --include=*.comp --include=*.frag | sort -t'[' -k2,2V
+
+clean:
+	rm -rf $(VENV) out demo.png
+
+# The first Python >= 3.11 that can make virtual environments (a version manager's shim may exist and not run).
+$(VENV)/bin/python:
+	@for p in python3 python3.13 python3.12 python3.11 python3.14; do \
+	  if $$p -c 'import sys, venv, ensurepip; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then found=$$p; break; fi; done; \
+	if [ -z "$$found" ]; then \
+	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    apt-get update -qq && apt-get install -y -qq python3-venv && found=python3; \
+	  else echo "glcloth needs Python 3.11 or newer with venv. Install it: sudo apt-get install python3-venv" >&2; exit 2; fi; fi; \
+	$$found -m venv $(VENV)
+
+$(VENV)/.system: $(VENV)/bin/python
+	@if ! $(RUN)python -c 'import ctypes as c; c.CDLL("libEGL.so.1"); c.CDLL("libGL.so.1")' 2>/dev/null; then \
+	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    apt-get update -qq && apt-get install -y -qq $(SYSTEM); \
+	  else echo "glcloth needs OpenGL by EGL. Install it: sudo apt-get install $(SYSTEM)" >&2; exit 3; fi; fi
+	@touch $@
+
+$(VENV)/.installed: pyproject.toml $(VENV)/.system
+	$(RUN)python -m pip install -q --disable-pip-version-check -e .
+	@touch $@
+
+$(VENV)/.tests: pyproject.toml $(VENV)/.installed
+	$(RUN)python -m pip install -q --disable-pip-version-check -e '.[test]'
+	@touch $@

@@ -1,0 +1,5 @@
+"""`python -m glcloth` is the same as `glcloth`."""
+
+from .cli import main
+
+main()

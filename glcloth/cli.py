@@ -1,0 +1,300 @@
+"""The command line: each command reads its options, calls the package, and says in one line what it did or what is wrong."""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import App, CycloptsError, Parameter
+
+from . import __version__
+from .errors import InputError, NoOpenGLError, ShaderError
+from .files import check_writable
+from .progress import say
+
+app = App(name="glcloth", help="Woven cloth as it really looks, on OpenGL.", version=__version__, help_format="plaintext")
+
+Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object on stdout.")]
+Device = Annotated[int | None, Parameter(help="EGL device; `glcloth info` lists them.")]
+
+
+def _output(text: str):
+    return Parameter(name=["--output", "-o"], help=text)
+
+
+@Parameter(name="*")
+@dataclass
+class SceneOptions:
+    """What to render; an option that is not given keeps the scene's value."""
+
+    fabric: Annotated[str | None, Parameter(help="Built-in fabric or a .toml file.")] = None
+    mesh: Annotated[str | None, Parameter(help="Built-in mesh or a file (.obj .ply .glb .gltf).")] = None
+    env: Annotated[str | None, Parameter(help="Built-in environment or an equirectangular .hdr or .exr file.")] = None
+    env_rotate: Annotated[float | None, Parameter(help="Turn the environment about +Y, degrees.")] = None
+    lobes: Annotated[str | None, Parameter(help="Spherical Gaussians of the environment, 1 to 64, or auto.")] = None
+    method: Annotated[str | None, Parameter(help="direct, paper, reference or trace.")] = None
+    quality: Annotated[str | None, Parameter(help="draft, normal or high (method direct).")] = None
+    adaptive: Annotated[
+        bool | None, Parameter(help="Shade one pixel in four where neighbours are alike (method direct).")
+    ] = None
+    light: Annotated[str | None, Parameter(help="sg or map: the fit, or the environment itself (reference).")] = None
+    segments: Annotated[int | None, Parameter(help="Theta segments (method paper).")] = None
+    cube: Annotated[int | None, Parameter(help="Edge of the cube map that is summed (method reference).")] = None
+    contribution: Annotated[float | None, Parameter(help="Share of the singular values kept (method paper).")] = None
+    grid: Annotated[int | None, Parameter(help="Directions per axis of the tables (method paper).")] = None
+    spp: Annotated[int | None, Parameter(help="Samples per pixel.")] = None
+    size: Annotated[str | None, Parameter(help="WIDTHxHEIGHT.")] = None
+    exposure: Annotated[float | None, Parameter(help="Stops, for PNG.")] = None
+    view_transform: Annotated[str | None, Parameter(help="standard, filmic or neutral, for PNG.")] = None
+    background: Annotated[bool | None, Parameter(help="Show the environment behind the cloth.")] = None
+
+    def changes(self) -> dict:
+        """The options that were given, as fields of Scene."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
+
+
+def _scene(name: str | None, options: SceneOptions | None):
+    from .scene import Scene, load_scene
+
+    scene = load_scene(name) if name else Scene()
+    return scene.changed(**options.changes()) if options else scene
+
+
+def _print(as_json: bool, result: dict, line: str) -> None:
+    if as_json:
+        print(json.dumps(result), flush=True)
+    else:
+        say(line)
+
+
+@app.command
+def render(
+    scene: str | None = None,
+    /,
+    *,
+    output: Annotated[Path, _output("Picture to write, .png or .exr.")],
+    options: SceneOptions | None = None,
+    device: Device = None,
+    json: Json = False,
+) -> None:
+    """Render one picture of a scene.
+
+    Parameters
+    ----------
+    scene
+        Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
+    """
+    from .image import check_output, write_image
+    from .renderer import Renderer
+
+    chosen = _scene(scene, options)
+    check_output(output)
+    begin = time.perf_counter()
+    with Renderer(device) as renderer:
+        frame = renderer.prepare(chosen)
+        picture = renderer.render_frame(frame)
+        covered = renderer.covered_pixels()
+        gl = renderer.ctx.info["GL_RENDERER"]
+    write_image(
+        output,
+        picture,
+        {"glcloth": __version__, "scene": chosen.model_dump(mode="json")},
+        exposure=chosen.exposure,
+        view_transform=chosen.view_transform,
+    )
+    seconds = time.perf_counter() - begin
+    result = {
+        "file": str(output),
+        "width": chosen.size[0],
+        "height": chosen.size[1],
+        "method": chosen.method,
+        "fabric": frame.fabric.name,
+        "lobes": len(frame.lights.gaussians),
+        "suns": len(frame.lights.suns),
+        "covered_pixels": covered,
+        "seconds": round(seconds, 3),
+        "gl_renderer": gl,
+    }
+    _print(json, result, f"{output}: {frame.fabric.name}, method {chosen.method}, {seconds:.1f} s on {gl}")
+
+
+@app.command
+def tables(
+    *fabrics: str,
+    grid: Annotated[int, Parameter(help="Directions per axis.")] = 48,
+    contribution: Annotated[float, Parameter(help="Share of the sum of singular values to keep.")] = 0.9,
+    output: Annotated[Path | None, _output("Folder for the tables; default: the cache.")] = None,
+    json: Json = False,
+) -> None:
+    """Make the tables of the paper method: T (equation 9) and T_l (equation 14) of paper A.
+
+    Parameters
+    ----------
+    fabrics
+        Built-in fabrics or .toml files.
+    """
+    from .tables import main as make
+
+    make(fabrics, grid, contribution, output, json)
+
+
+@app.command
+def env(
+    file: str,
+    /,
+    *,
+    lobes: Annotated[str, Parameter(help="1 to 64, or auto.")] = "10",
+    output: Annotated[Path | None, _output("Fit to write (.json); the picture goes beside it as .png.")] = None,
+    json: Json = False,
+) -> None:
+    """Fit spherical Gaussians and suns to an environment; report the error; write the fit and map | fit | difference.
+
+    Parameters
+    ----------
+    file
+        Built-in environment or an equirectangular .hdr or .exr file.
+    """
+    from .environment import load_environment
+    from .fit import fit_picture, fit_report, save_lights
+    from .image import write_image
+    from .scene import Scene
+
+    count = Scene().changed(lobes=lobes).lobes
+    target = output or Path(f"{Path(file).stem}_fit.json")
+    if target.suffix != ".json":
+        raise InputError(f"{target}: expected a name that ends in .json; the picture is written beside it as .png")
+    check_writable(target)
+    environment = load_environment(file)
+    report = fit_report(environment, count)
+    save_lights(target, report.lights)
+    picture = target.with_suffix(".png")
+    write_image(picture, fit_picture(environment, report.lights))
+    result = {"file": str(target), "picture": str(picture), **report.as_dict()}
+    _print(json, result, f"{report}\n{target}, {picture}")
+
+
+@app.command
+def diff(
+    a: Path,
+    b: Path,
+    /,
+    *,
+    metric: Annotated[Literal["flip", "rmse", "relmse", "psnr"] | None, Parameter(help="One metric; default: all.")] = None,
+    scale: Annotated[float, Parameter(help="Brightness of the difference picture.")] = 8.0,
+    output: Annotated[Path | None, _output("Difference picture to write, .png or .exr.")] = None,
+    json: Json = False,
+) -> None:
+    """Compare a picture with a reference.
+
+    Parameters
+    ----------
+    a
+        The picture to judge.
+    b
+        The reference.
+    """
+    from .image import check_output, read_image, write_image
+    from .metrics import METRICS, check_alike, compare, difference
+
+    if not scale > 0:
+        raise InputError(f"--scale {scale}: expected a number above 0")
+    if output is not None:
+        check_output(output)
+    test, reference = read_image(a), read_image(b)
+    check_alike(test, reference, f"{a}, {b}")
+    values = compare(test, reference, [metric] if metric else METRICS)
+    if output is not None:
+        write_image(output, difference(test, reference, scale))
+    if json:
+        values = {k: (v if v != float("inf") else None) for k, v in values.items()}
+        _print(True, {"a": str(a), "b": str(b), **values, **({"file": str(output)} if output else {})}, "")
+    else:
+        print("  ".join(f"{name} {value:.6g}" for name, value in values.items()), flush=True)
+
+
+@app.command
+def info(*, device: Device = None, json: Json = False) -> None:
+    """Show versions, the GL renderer and its limits, devices, and the cache."""
+    from .bench import machine
+
+    facts = machine(device)
+    if json:
+        _print(True, facts, "")
+        return
+    for key, value in facts.items():
+        if isinstance(value, dict):
+            value = ", ".join(f"{k} {v}" for k, v in value.items())
+        elif isinstance(value, list):
+            value = "; ".join(str(v) for v in value)
+        print(f"{key:12} {value}")
+
+
+bench = App(name="bench", help="Measure on the built-in scenes.", help_format="plaintext")
+app.command(bench)
+
+
+@bench.command(name="cloth")
+def bench_cloth(
+    *,
+    frames: Annotated[int, Parameter(help="Frames per method; the median is reported.")] = 5,
+    methods: Annotated[str, Parameter(help="Comma-separated: direct, paper, reference.")] = "direct,paper,reference",
+    options: SceneOptions | None = None,
+    device: Device = None,
+    json: Json = False,
+) -> None:
+    """Frame times of the environment-lit methods in one run."""
+    from . import bench as measure
+
+    scene = _scene(None, options)
+    result = measure.cloth(scene, [m.strip() for m in methods.split(",")], frames, device)
+    _print(json, result, measure.cloth_table(result))
+
+
+@bench.command(name="tables")
+def bench_tables(
+    *fabrics: str,
+    grid: Annotated[int, Parameter(help="Directions per axis.")] = 48,
+    contribution: Annotated[float, Parameter(help="Share of the sum of singular values to keep.")] = 0.9,
+    json: Json = False,
+) -> None:
+    """Seconds, bytes and ranks of the paper method's tables, made afresh.
+
+    Parameters
+    ----------
+    fabrics
+        Default: all built-in fabrics.
+    """
+    from .tables import bench as measure
+
+    result, lines = measure(fabrics, grid, contribution)
+    _print(json, result, lines)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run one command. Exit 0 done, 1 a fault of ours, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    try:
+        app(arguments, exit_on_error=False, print_error=False)
+    except CycloptsError as error:
+        code, line = 2, " ".join(str(error).split())
+    except InputError as error:
+        code, line = 2, str(error)
+    except NoOpenGLError as error:
+        code, line = 3, str(error)
+    except ShaderError as error:
+        code, line = 1, f"a shader does not compile on this driver: {error}"
+    except MemoryError:
+        code, line = 2, "out of memory; choose a smaller --size, --grid or environment"
+    except BrokenPipeError:
+        code, line = 0, ""
+    except KeyboardInterrupt:
+        code, line = 130, "stopped; nothing was left half-written"
+    else:
+        return
+    if line:
+        say(f"glcloth: {' '.join(line.split())}" if code == 2 else f"glcloth: {line}")
+    sys.exit(code)

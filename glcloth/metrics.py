@@ -1,0 +1,70 @@
+"""How far two pictures are apart: FLIP, RMSE, relMSE, PSNR, and pictures of the difference."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import flip_evaluator
+import numpy as np
+
+from .color import LUMINANCE, srgb_encode
+from .errors import InputError
+
+Metric = Literal["flip", "rmse", "relmse", "psnr"]
+
+
+def check_alike(a: np.ndarray, b: np.ndarray, where: str) -> None:
+    """Raise InputError unless two pictures have the same size."""
+    if a.shape[:2] != b.shape[:2]:
+        sizes = " and ".join(f"{p.shape[1]}x{p.shape[0]}" for p in (a, b))
+        raise InputError(f"{where}: sizes {sizes} differ; compare pictures of one size")
+
+
+def rmse(test: np.ndarray, reference: np.ndarray) -> float:
+    """Root mean square difference of linear values, over pixels and channels."""
+    return float(np.sqrt(np.mean((np.float64(test) - reference) ** 2)))
+
+
+def relmse(test: np.ndarray, reference: np.ndarray) -> float:
+    """Mean of (difference / reference)^2, with 0.01 added to the squared reference (Rousselle et al. 2011)."""
+    return float(np.mean((np.float64(test) - reference) ** 2 / (np.float64(reference) ** 2 + 0.01)))
+
+
+def psnr(test: np.ndarray, reference: np.ndarray) -> float:
+    """Peak signal-to-noise ratio in dB; the peak is the reference's largest value. Infinite for equal pictures."""
+    error = rmse(test, reference)
+    peak = max(float(np.max(reference)), 1e-12)
+    return float("inf") if error == 0 else float(20 * np.log10(peak / error))
+
+
+def flip_map(test: np.ndarray, reference: np.ndarray) -> np.ndarray:
+    """LDR-FLIP per pixel [H, W] in 0..1 of linear pictures as a display shows them (Andersson et al. 2020)."""
+    shown = [np.ascontiguousarray(srgb_encode(p[..., :3]), np.float32) for p in (reference, test)]
+    values, _, _ = flip_evaluator.evaluate(*shown, "LDR", inputsRGB=True, applyMagma=False)
+    return np.asarray(values)[..., 0] if np.ndim(values) == 3 else np.asarray(values)
+
+
+def flip(test: np.ndarray, reference: np.ndarray) -> float:
+    """Mean LDR-FLIP, 0 (equal) to 1."""
+    return float(flip_map(test, reference).mean())
+
+
+METRICS = {"flip": flip, "rmse": rmse, "relmse": relmse, "psnr": psnr}
+
+
+def compare(test: np.ndarray, reference: np.ndarray, metrics=tuple(METRICS)) -> dict[str, float]:
+    """All metrics of a test picture against a reference, linear [H, W, 3]. Raises InputError when the sizes differ."""
+    check_alike(test, reference, "compare")
+    return {name: METRICS[name](test[..., :3], reference[..., :3]) for name in metrics}
+
+
+def relative_errors(test: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """|difference| of luminance over the reference's, for the pixels of `mask` whose reference is above 1e-4 of its mean."""
+    a, b = test[mask][..., :3] @ LUMINANCE, reference[mask][..., :3] @ LUMINANCE
+    seen = b > 1e-4 * b.mean()
+    return np.abs(a[seen] - b[seen]) / b[seen]
+
+
+def difference(test: np.ndarray, reference: np.ndarray, scale: float = 8.0) -> np.ndarray:
+    """|test - reference| x scale, linear [H, W, 3], as figures 4-6 of paper A show it."""
+    return np.abs(np.float32(test[..., :3]) - reference[..., :3]) * np.float32(scale)
