@@ -6,10 +6,11 @@ import numpy as np
 def tangent_axes(yarn, cos_tilt, sin_tilt):
     """The axes (t, b, n) of a tangent in the surface frame, each [..., 3]."""
     yarn, c, s = np.broadcast_arrays(yarn, np.asarray(cos_tilt, float), np.asarray(sin_tilt, float))
-    zero, first = np.zeros_like(c), (yarn == 0)[..., None]
+    zero, one, first = np.zeros_like(c), np.ones_like(c), (yarn == 0)[..., None]
     t = np.where(first, np.stack([c, zero, -s], -1), np.stack([zero, c, -s], -1))
+    b = np.where(first, np.stack([zero, one, zero], -1), np.stack([-one, zero, zero], -1))
     n = np.where(first, np.stack([s, zero, c], -1), np.stack([zero, s, c], -1))
-    return t, np.cross(n, t), n
+    return t, b, n
 
 
 def tangent_from_surface(omega, yarn, cos_tilt, sin_tilt):

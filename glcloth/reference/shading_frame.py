@@ -20,4 +20,4 @@ def orthogonal_part(v, N):
     x = v - np.sum(v * N, -1, keepdims=True) * N
     axis = np.where(np.abs(N[..., :1]) < 0.7, [1.0, 0, 0], [0, 1.0, 0])
     other = axis - np.sum(axis * N, -1, keepdims=True) * N
-    return _unit(np.where(np.sum(x * x, -1, keepdims=True) < 1e-12, other, x))
+    return _unit(np.where(np.sum(x * x, -1, keepdims=True) <= 1e-8 * np.sum(v * v, -1, keepdims=True), other, x))

@@ -11,7 +11,7 @@ vec3 facing_normal(vec3 N, vec3 omega_o) {
 // [own]  The unit part of v that is perpendicular to the unit vector N; any perpendicular where v is along N or zero.
 vec3 orthogonal_part(vec3 v, vec3 N) {
     vec3 x = v - dot(v, N) * N;
-    if (dot(x, x) < 1e-12) {
+    if (dot(x, x) <= 1e-8 * dot(v, v)) {
         vec3 axis = abs(N.x) < 0.7 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0);
         x = axis - dot(axis, N) * N;
     }
