@@ -1,0 +1,392 @@
+"""Pictures as linear Rec. 709 float32 arrays: reading .exr .hdr .png .jpg, writing .exr .png with the scene's settings.
+
+Arrays are [H, W, 3] or [H, W, 4], the first row on top. Alpha is coverage and colours are multiplied by it (as
+OpenEXR has it); PNG files keep unmultiplied colours, as their standard asks.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import struct
+import sys
+import tempfile
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from .color import srgb_decode, view
+from .errors import InputError
+from .files import atomic_write, check_writable
+
+READABLE = (".exr", ".hdr", ".png", ".jpg", ".jpeg")
+WRITABLE = (".exr", ".png")
+SETTINGS_KEY = "glcloth"
+HALF_MAX = 65504.0
+
+
+def read_image(path: str | Path) -> np.ndarray:
+    """Read a picture as float32 [H, W, 3] or [H, W, 4] (when it has alpha), linear Rec. 709.
+
+    OpenEXR (half, float or integer channels in any order, layers, several parts, luminance with or without
+    chroma, tiles), Radiance .hdr, PNG and JPEG (8 or 16 bits, decoded with the sRGB curve). Samples are returned
+    as they are, infinities included. Raises InputError when the file is missing, empty, cut short, of another
+    kind, or of an unknown suffix.
+    """
+    path = _existing(path, READABLE)
+    suffix = path.suffix.lower()
+    _check_magic(path, suffix)
+    read = {".exr": _read_exr, ".hdr": _read_hdr}.get(suffix, _read_display)
+    image = np.ascontiguousarray(read(path), np.float32)
+    if image.ndim != 3 or 0 in image.shape:
+        raise InputError(f"{path}: holds no pixels, expected a picture; save it again")
+    return image
+
+
+def write_image(
+    path: str | Path,
+    array: np.ndarray,
+    settings: dict | None = None,
+    half: bool = False,
+    exposure: float = 0.0,
+    view_transform: str = "standard",
+) -> Path:
+    """Write `array` ([H, W], [H, W, 3] or [H, W, 4], linear Rec. 709) to .exr or .png, whole or not at all.
+
+    Parameters
+    ----------
+    settings : what made the picture; stored as JSON (EXR attribute or PNG text chunk "glcloth"), see read_settings
+    half : EXR with 16-bit floats (values beyond 65504 are limited); else 32-bit
+    exposure : stops, PNG only
+    view_transform : a name in color.VIEW_TRANSFORMS, PNG only
+
+    An EXR is the scene-linear picture itself: exposure and view transform do not touch it. Returns the path.
+    Raises InputError on a wrong shape or suffix and when the file cannot be written.
+    """
+    path = check_output(path)
+    suffix = path.suffix.lower()
+    array = np.asarray(array)
+    if array.ndim == 2:
+        array = np.repeat(array[..., None], 3, -1)
+    if array.ndim != 3 or array.shape[-1] not in (3, 4) or 0 in array.shape:
+        raise InputError(f"{path}: array of shape {array.shape}, expected [H, W, 3] or [H, W, 4]")
+    text = None if settings is None else json.dumps(settings, sort_keys=True, default=_plain)
+    if suffix == ".png":
+        data = _png(array, text, exposure, view_transform)
+        with atomic_write(path) as temporary:
+            temporary.write_bytes(data)
+    else:
+        with atomic_write(path) as temporary:
+            _write_exr(temporary, array, text, half)
+    return path
+
+
+def check_output(path: str | Path) -> Path:
+    """Return `path` if a picture can be written there; a long render asks before it starts. Raises InputError."""
+    path = Path(path)
+    if path.suffix.lower() not in WRITABLE:
+        what = path.suffix or "a file without suffix"
+        raise InputError(f"{path}: cannot write {what}, expected a name that ends in {' or '.join(WRITABLE)}")
+    return check_writable(path)
+
+
+def read_settings(path: str | Path) -> dict | None:
+    """The settings stored in a picture by write_image, or None when it has none.
+
+    Raises InputError when the file is missing or unreadable, or the stored text is not a JSON object.
+    """
+    path = _existing(path, READABLE)
+    suffix = path.suffix.lower()
+    _check_magic(path, suffix)
+    if suffix == ".exr":
+        header = _open_exr(path, header_only=True)[0].header
+        text = header.get(SETTINGS_KEY)
+    elif suffix == ".png":
+        text = _with_pillow(path, lambda picture: getattr(picture, "text", {}).get(SETTINGS_KEY))
+    else:
+        return None
+    if text is None:
+        return None
+    try:
+        settings = json.loads(text)
+    except (TypeError, ValueError):
+        settings = None
+    if not isinstance(settings, dict):
+        raise InputError(f"{path}: its '{SETTINGS_KEY}' entry is not a JSON object; render the picture again")
+    return settings
+
+
+def _plain(value):
+    """Paths, NumPy numbers and arrays as JSON values."""
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    return str(value)
+
+
+def _existing(path: str | Path, suffixes: tuple[str, ...]) -> Path:
+    path = Path(path)
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder, expected a picture ({', '.join(suffixes)})")
+    if not path.is_file():
+        raise InputError(f"{path}: no such file, expected a picture ({', '.join(suffixes)}); check the name")
+    if path.suffix.lower() not in suffixes:
+        raise InputError(
+            f"{path}: cannot read {path.suffix or 'a file without suffix'}, expected {', '.join(suffixes)}"
+        )
+    return path
+
+
+_MAGIC = {
+    ".exr": ((b"\x76\x2f\x31\x01",), "an OpenEXR file"),
+    ".hdr": ((b"#?",), "a Radiance .hdr file"),
+    ".png": ((b"\x89PNG\r\n\x1a\n",), "a PNG file"),
+    ".jpg": ((b"\xff\xd8\xff",), "a JPEG file"),
+    ".jpeg": ((b"\xff\xd8\xff",), "a JPEG file"),
+}
+
+
+def _check_magic(path: Path, suffix: str) -> None:
+    """The first bytes tell a wrong file before a decoder sees it, and tell what it really is."""
+    try:
+        with open(path, "rb") as file:
+            head = file.read(16)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
+    starts, kind = _MAGIC[suffix]
+    if not head:
+        raise InputError(f"{path}: the file is empty, expected {kind}; copy or save it again")
+    if not head.startswith(starts):
+        other = next((name for magic, name in _MAGIC.values() if head.startswith(magic)), None)
+        remedy = f"it is {other}: rename it" if other else "save it again, or give another file"
+        raise InputError(f"{path}: is not {kind} although its name ends in {suffix}; {remedy}")
+
+
+def _broken(path: Path, reason: str = "damaged or cut short") -> InputError:
+    return InputError(f"{path}: cannot be decoded, {reason}; copy or save it again")
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[None]:
+    """Send what C++ libraries print to a scratch file: a user sees our one line and no other."""
+    try:
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except (AttributeError, ValueError, OSError):
+        pass
+    with tempfile.TemporaryFile() as scratch, contextlib.ExitStack() as stack:
+        for descriptor in (1, 2):
+            try:
+                saved = os.dup(descriptor)
+            except OSError:
+                continue
+            stack.callback(os.close, saved)
+            stack.callback(os.dup2, saved, descriptor)
+            os.dup2(scratch.fileno(), descriptor)
+        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+            yield
+
+
+# OpenEXR ----------------------------------------------------------------------------------------------------------
+
+
+def _open_exr(path: Path, header_only: bool = False) -> list:
+    """Parts of an OpenEXR file, with separate channels."""
+    import OpenEXR
+
+    try:
+        with _silence():
+            file = OpenEXR.File(str(path), separate_channels=True, header_only=header_only)
+            parts = list(file.parts)
+    except (RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError, MemoryError):
+        raise _broken(path) from None
+    if not parts:
+        raise _broken(path)
+    return parts
+
+
+def _read_exr(path: Path) -> np.ndarray:
+    for part in _open_exr(path):
+        found = _color_channels(part.channels)
+        if found is not None:
+            break
+    else:
+        raise InputError(f"{path}: no part has R, G, B or Y channels, expected a colour picture; export one")
+    try:
+        planes = {role: _full_size(channel) for role, channel in found.items()}
+    except (AttributeError, ValueError):
+        raise _broken(path, "its pixels are deep or missing") from None
+    if "Y" in planes:
+        planes |= _rgb_from_luminance_chroma(planes, part.header)
+    order = [planes[role] for role in "RGBA" if role in planes]
+    if len({plane.shape for plane in order}) != 1:
+        raise _broken(path, "its channels differ in size")
+    return _in_display_window(np.stack(order, -1).astype(np.float32), part.header)
+
+
+def _color_channels(channels: dict) -> dict | None:
+    """Map roles R G B A (or Y RY BY A) to channels; layers carry a prefix such as "ViewLayer.Combined."."""
+    layers: dict[str, dict] = {}
+    for name, channel in channels.items():
+        prefix, _, role = name.rpartition(".")
+        layers.setdefault(prefix, {})[role.upper()] = channel
+    for wanted in (("R", "G", "B", "A"), ("Y", "RY", "BY", "A")):
+        needed = wanted[:3] if wanted[0] == "R" else wanted[:1]
+        # The unnamed layer is the picture proper; then the order of the file.
+        for prefix in sorted(layers, key=lambda name: (name != "", "." in name and "combined" not in name.lower())):
+            if all(role in layers[prefix] for role in needed):
+                return {role: layers[prefix][role] for role in wanted if role in layers[prefix]}
+    return None
+
+
+def _full_size(channel) -> np.ndarray:
+    pixels = np.asarray(channel.pixels)
+    if pixels.dtype == object or pixels.ndim != 2:
+        raise ValueError
+    plane = pixels.astype(np.float32)
+    if channel.xSampling > 1 or channel.ySampling > 1:
+        plane = np.repeat(np.repeat(plane, channel.ySampling, 0), channel.xSampling, 1)
+    return plane
+
+
+def _rgb_from_luminance_chroma(planes: dict, header: dict) -> dict:
+    """RY = (R - Y) / Y and BY = (B - Y) / Y   ["Technical Introduction to OpenEXR", Luminance/Chroma Images]"""
+    Y = planes["Y"]
+    if "RY" not in planes or "BY" not in planes:
+        return {"R": Y, "G": Y, "B": Y}
+    height, width = Y.shape
+    R = (planes["RY"][:height, :width] + 1) * Y
+    B = (planes["BY"][:height, :width] + 1) * Y
+    w_R, w_G, w_B = 0.2126, 0.7152, 0.0722
+    return {"R": R, "G": (Y - w_R * R - w_B * B) / w_G, "B": B}
+
+
+def _in_display_window(image: np.ndarray, header: dict) -> np.ndarray:
+    """Place the stored pixels in the display window: cropped files keep their place, overscan is cut."""
+    try:
+        (x_0, y_0), (x_1, y_1) = (np.asarray(corner, int) for corner in header["displayWindow"])
+        left, top = (int(value) for value in header["dataWindow"][0])
+    except (KeyError, TypeError, ValueError):
+        return image
+    width, height = x_1 - x_0 + 1, y_1 - y_0 + 1
+    if (left, top) == (x_0, y_0) and image.shape[:2] == (height, width):
+        return image
+    canvas = np.zeros((height, width, image.shape[2]), image.dtype)
+    dy, dx = top - y_0, left - x_0
+    rows = slice(max(dy, 0), min(dy + image.shape[0], height))
+    columns = slice(max(dx, 0), min(dx + image.shape[1], width))
+    if rows.start < rows.stop and columns.start < columns.stop:
+        canvas[rows, columns] = image[rows.start - dy : rows.stop - dy, columns.start - dx : columns.stop - dx]
+    return canvas
+
+
+def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool) -> None:
+    import OpenEXR
+
+    if half:
+        array = np.where(np.isfinite(array), np.clip(array, -HALF_MAX, HALF_MAX), array)
+    pixels = np.ascontiguousarray(array, np.float16 if half else np.float32)
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    if text is not None:
+        header[SETTINGS_KEY] = text
+    try:
+        with _silence():
+            with OpenEXR.File(header, {"RGB" if array.shape[-1] == 3 else "RGBA": pixels}) as file:
+                file.write(str(path))
+    except (RuntimeError, ValueError) as error:
+        raise InputError(f"{path.parent}: the picture cannot be written there ({error}); is the disk full?") from None
+
+
+# Radiance ---------------------------------------------------------------------------------------------------------
+
+
+def _with_oiio(path: Path, unassociated: bool = False) -> np.ndarray:
+    """Pixels [H, W, C] as floats 0..1 (or scene values), by OpenImageIO."""
+    import OpenImageIO
+
+    config = OpenImageIO.ImageSpec()
+    if unassociated:
+        config["oiio:UnassociatedAlpha"] = 1
+    with _silence():
+        file = OpenImageIO.ImageInput.open(str(path), config)
+        pixels = file.read_image("float") if file else None
+        # Unread messages would be printed by the library when it is unloaded.
+        OpenImageIO.geterror()
+        if file:
+            file.geterror()
+            file.close()
+    if pixels is None or np.ndim(pixels) != 3:
+        raise _broken(path)
+    return pixels
+
+
+def _read_hdr(path: Path) -> np.ndarray:
+    return _with_oiio(path)[..., :3]
+
+
+# PNG and JPEG -----------------------------------------------------------------------------------------------------
+
+
+def _with_pillow(path: Path, use):
+    from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path) as picture:
+                picture.load()
+                return use(picture)
+    except Image.DecompressionBombError:
+        raise InputError(f"{path}: has too many pixels (over 178 million); give a smaller picture") from None
+    except (OSError, ValueError, SyntaxError, struct.error, IndexError, EOFError):
+        raise _broken(path) from None
+
+
+def _read_display(path: Path) -> np.ndarray:
+    if path.suffix.lower() == ".png" and _png_bit_depth(path) == 16:
+        # Pillow would cut 16-bit colours to 8 bits.
+        code = _with_oiio(path, unassociated=True)
+        if code.shape[-1] <= 2:
+            code = np.concatenate([np.repeat(code[..., :1], 3, -1), code[..., 1:]], -1)
+    else:
+        code = _with_pillow(path, _codes)
+    rgb = srgb_decode(code[..., :3].astype(np.float32))
+    if code.shape[-1] < 4:
+        return rgb
+    return np.concatenate([rgb * code[..., 3:4], code[..., 3:4]], -1)
+
+
+def _codes(picture) -> np.ndarray:
+    alpha = picture.mode in ("RGBA", "LA", "PA", "RGBa", "La") or "transparency" in picture.info
+    return np.asarray(picture.convert("RGBA" if alpha else "RGB"), np.float32) / 255.0
+
+
+def _png_bit_depth(path: Path) -> int:
+    with open(path, "rb") as file:
+        return (file.read(25) + bytes(25))[24]
+
+
+def _png(array: np.ndarray, text: str | None, exposure: float, view_transform: str) -> bytes:
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    rgb = array[..., :3]
+    if array.shape[-1] == 4:
+        alpha = np.clip(np.nan_to_num(array[..., 3:4]), 0.0, 1.0)
+        rgb = np.where(alpha > 0, rgb / np.where(alpha > 0, alpha, 1), rgb)
+        code = np.concatenate([view(rgb, view_transform, exposure), alpha], -1)
+    else:
+        code = view(rgb, view_transform, exposure)
+    info = PngInfo()
+    if text is not None:
+        info.add_itxt(SETTINGS_KEY, text)
+    # 0 = perceptual; it declares that the codes are sRGB.
+    info.add(b"sRGB", b"\x00")
+    buffer = io.BytesIO()
+    Image.fromarray(np.round(code * 255.0).astype(np.uint8)).save(buffer, "PNG", pnginfo=info)
+    return buffer.getvalue()
