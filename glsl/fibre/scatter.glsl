@@ -21,11 +21,11 @@ vec2 f_s(vec3 omega_i, vec3 omega_o, float eta, float k_d, float gamma_s, float 
     float cos_theta_io = cos_theta_i * cos_theta_o;
     float sin_theta_io = omega_i.x * omega_o.x;
     float theta_h = 0.5 * atan(omega_i.x * cos_theta_o + omega_o.x * cos_theta_i, cos_theta_io - sin_theta_io);
-    // |u_i + u_o|^2 / 4 of the unit vectors (cos theta, sin theta): the sum 1 + cos cos + sin sin cancels near 90 degrees.
+    // cos^2 of half an angle is |u_i + u_o|^2 / 4 of the unit vectors; 1 + cos(angle) would cancel near 180 degrees.
     vec2 twice_mean = vec2(cos_theta_i + cos_theta_o, omega_i.x + omega_o.x);
     float cos2_theta_d = clamp(0.25 * dot(twice_mean, twice_mean), 1e-12, 1.0);
-    float cos_phi_d = cos_theta_io > 1e-12 ? dot(omega_i.yz, omega_o.yz) / cos_theta_io : 1.0;
-    float cos_half_phi_d = sqrt(clamp(0.5 * (1.0 + cos_phi_d), 0.0, 1.0));
+    vec2 azimuths = omega_i.yz / max(cos_theta_i, 1e-9) + omega_o.yz / max(cos_theta_o, 1e-9);
+    float cos_half_phi_d = cos_theta_io > 1e-12 ? min(0.5 * length(azimuths), 1.0) : 1.0;
     float F_r = F_schlick(F_0(eta), sqrt(cos2_theta_d) * cos_half_phi_d);
     float F_t = (1.0 - F_r) * (1.0 - F_r);
     float surface = F_r * cos_half_phi_d * g_u(theta_h, gamma_s);
