@@ -1,0 +1,40 @@
+"""Twin of glsl/sg/segments.glsl: integrals over theta segments (Mizutani et al. 2012, below Eq. 16), as printed, in float64."""
+
+import numpy as np
+
+from .erf import erf
+
+
+def twice_integrated(u):
+    """exp(-u^2) integrated twice, element by element."""
+    u = np.asarray(u, float)
+    return np.sqrt(np.pi) / 2 * u * erf(u) + np.exp(-(u**2)) / 2
+
+
+def segment_integrals(a, b, mu, sigma):
+    """The integrals of g(theta; mu, sigma) and of theta g(theta; mu, sigma) over [a, b].   [Miz below 16]"""
+    u_a, u_b = (np.asarray(a) - mu) / sigma, (np.asarray(b) - mu) / sigma
+    I_0 = np.sqrt(np.pi) / 2 * sigma * (erf(u_b) - erf(u_a))
+    return I_0, mu * I_0 + np.asarray(sigma) ** 2 / 2 * (np.exp(-(u_a**2)) - np.exp(-(u_b**2)))
+
+
+def piecewise(theta, h, mu, sigma):
+    """The integral of g(theta; mu, sigma) times the polyline through (theta [S + 1], h [S + 1]).   [Miz below 16]"""
+    theta, h = np.asarray(theta, float), np.asarray(h, float)
+    a_s = np.diff(h) / np.diff(theta)
+    b_s = h[:-1] - a_s * theta[:-1]
+    I_0, I_1 = segment_integrals(theta[:-1], theta[1:], mu, sigma)
+    return np.sum(a_s * I_1 + b_s * I_0)
+
+
+def hat(u, step):
+    """The integral of exp(-t^2) times the hat that is 1 at u and 0 at u - step and u + step: a_s t + b_s on two segments."""
+    I_0, I_1 = segment_integrals(u - step, u, 0.0, 1.0)
+    J_0, J_1 = segment_integrals(u, u + step, 0.0, 1.0)
+    return (I_1 - (u - step) * I_0) / step + ((u + step) * J_0 - J_1) / step
+
+
+def hat_integral(before, here, after, u, step):
+    """`hat` where the step is small, and the second difference of twice_integrated, which equals it, elsewhere."""
+    before, here, after, u, step = (np.asarray(x, float) for x in (before, here, after, u, step))
+    return np.where(step < 0.2, hat(u, step), (before - 2 * here + after) / step)

@@ -1,0 +1,60 @@
+"""Domains of glsl/sg."""
+
+import numpy as np
+
+from . import between, choice, log_between
+
+HALF = np.pi / 2
+
+
+def _powers(rng, count):
+    """The integrals of falling powers of a cosine: positive, falling, as T_l's are."""
+    x, mass = rng.uniform(0.05, 1.0, count), rng.uniform(0.1, 3.0, count)
+    return mass[:, None] * x[:, None] ** np.arange(1, 5)
+
+
+def _three(low, high):
+    """Three Gaussians at once, of different widths."""
+    return lambda rng, count: rng.uniform(low, high, (count, 3))
+
+
+def _steps(rng, count):
+    return np.exp(rng.uniform(np.log(0.01), np.log(50), (count, 3)))
+
+
+DOMAINS = {
+    "mu_1": between(-HALF, HALF, 0.0),
+    "mu_2": between(-HALF, HALF, 0.0),
+    "sharpness_1": log_between(1e-3, 1e4),
+    "sharpness_2": log_between(0.4, 6e3),
+    "F_0": between(0.0, 0.25),
+    "cos_theta_d": between(0.0, 1.0),
+    "T_1": _powers,
+    "T_5": _powers,
+    "T_9": _powers,
+    "u": _three(-60, 60),
+    "before": _three(0, 10),
+    "here": _three(0, 10),
+    "after": _three(0, 10),
+    "step": _steps,
+    "phi_k": between(-np.pi, np.pi, 0.0, HALF, -HALF),
+    "kappa_prime": log_between(1e-5, 1e4),
+    "inner": between(0.5, 0.9),
+    "x": between(0.0, 1.0),
+    "n": choice(8.0, 16.0, 48.0),
+    "angle": between(-HALF, HALF, 0.0),
+    "phi": between(-np.pi, np.pi, 0.0, HALF, -HALF),
+    "last": choice(1500.0, 2000.0),
+    "first": choice(0.5),
+    "levels": choice(16.0),
+    "sharpness": log_between(1e-4, 1e5),
+}
+SPECIAL = {("hat_integral", "u"): _three(-4, 4)}
+TOLERANCE = {
+    # Coefficients up to 250 with alternating signs: 1e3 roundings of 6e-8 of the largest integral, which is 3 here.
+    "volume_sum": (3e-5, 2e-4),
+    # The series leaves out about step^4 / 15 at step = 0.2.
+    "hat_integral": (1.2e-4, 1e-5),
+    # exp(-lost) with lost up to 100: relative error 100 x 6e-8 x the rounding of lost; angles of up to pi.
+    "g_c_product": (1e-4, 3e-6),
+}
