@@ -109,6 +109,25 @@ class FitReport:
     seconds: float
     cached: bool
 
+    def __str__(self) -> str:
+        g, s = self.lights.gaussians, self.lights.suns
+        flux = luminance(g.amplitude) * harmonics.gaussian_flux(g.sharpness)
+        whole = max(float(flux.sum() + luminance(s.irradiance).sum()), 1e-300)
+        lines = [f"{self.environment}: {len(g)} lobes, {len(s)} suns ({self.share_of_suns:.0%} of the light)"]
+        lines += ["      share  width  elevation  azimuth    red  green   blue"]
+        rows = [("lobe", f, k, x, a) for f, k, x, a in zip(flux, g.sharpness, g.axis, g.amplitude, strict=True)]
+        rows += [("sun ", luminance(e), None, d, e) for d, e in zip(s.direction, s.irradiance, strict=True)]
+        for kind, share, sharpness, axis, color in rows:
+            width = "     -" if sharpness is None else f"{np.degrees(np.sqrt(2 / max(sharpness, 1e-6))):6.1f}"
+            elevation, azimuth = np.degrees(np.arcsin(axis[1])), np.degrees(np.arctan2(axis[0], axis[2]))
+            line = f"{kind} {share / whole:6.1%} {width} {elevation:10.1f} {azimuth:8.1f}"
+            lines.append(line + "".join(f" {c:6.3g}" for c in color))
+        lines.append("angles in degrees (width: where the lobe falls to 1/e; azimuth from +z toward +x)")
+        errors = ", ".join(f"{fabric} {error:.1%}" for fabric, error in self.predicted.items())
+        lines.append(f"residual {self.residual:.2%}; expected lighting error, of the mean brightness: {errors}")
+        lines.append(f"{self.seconds:.2f} s" + (" (from the cache)" if self.cached else ""))
+        return "\n".join(lines)
+
     def as_dict(self) -> dict:
         """The report with plain numbers and lists."""
         g, s = self.lights.gaussians, self.lights.suns
@@ -200,7 +219,8 @@ def fit_picture(environment: Environment, lights: Lights | SphericalGaussians, h
     """The map, the lights and their difference side by side: float32 [height, 6 height, 3], linear.
 
     Suns are drawn in the fit as discs of 2.5 degrees with their true irradiance. The difference leaves them out on both
-    sides; red is where the fit is brighter, blue where it is darker.
+    sides; red is where the fit is brighter, blue where it is darker. All is scaled so that the map without its suns
+    has a mean luminance of 0.25.
     """
     lights = as_lights(lights)
     width = 2 * height
@@ -213,7 +233,9 @@ def fit_picture(environment: Environment, lights: Lights | SphericalGaussians, h
         fit[omega @ direction > np.cos(radius)] += irradiance / (np.pi * np.sin(radius) ** 2)
     change = luminance(smooth - equirect.resize(rest, height, width))
     signed = np.stack([np.maximum(change, 0), 0.15 * np.abs(change), np.maximum(-change, 0)], -1)
-    return np.concatenate([equirect.resize(environment.radiance, height, width), fit, signed], 1).astype(np.float32)
+    picture = np.concatenate([equirect.resize(environment.radiance, height, width), fit, signed], 1)
+    mean = float(equirect.total(rest) @ LUMINANCE) / (4 * np.pi)
+    return (picture * (0.25 / max(mean, 1e-30))).astype(np.float32)
 
 
 def _coefficients(lights: Lights) -> np.ndarray:
