@@ -26,6 +26,7 @@ def _about(unit: str, text: str, **limits):
 Albedo = Annotated[float, Field(ge=0.0, le=1.0)]
 Tilt = Annotated[float, Field(ge=-90.0, le=90.0)]
 Length = Annotated[float, Field(ge=0.0)]
+Depth = Annotated[float, Field(ge=0.0, le=20.0)]
 
 
 class Tangent(NamedTuple):
@@ -50,7 +51,9 @@ class Yarn(BaseModel):
     curve_angles_deg: tuple[Tilt, ...] | None = _about("degrees", "control angles of the tangent curve", default=None)
     curve_lengths: tuple[Length, ...] | None = _about("", "segment lengths of the curve (0 = jump)", default=None)
     samples: int | None = _about("", "samples equally spaced along the curve, ends included", default=None, ge=1, le=32)
-    tangents_deg: tuple[Tilt, ...] | None = _about("degrees", "the tangents themselves, instead of a curve", default=None)
+    tangents_deg: tuple[Tilt, ...] | None = _about(
+        "degrees", "the tangents themselves, instead of a curve", default=None
+    )
 
     @model_validator(mode="after")
     def _one_description_of_the_tangents(self):
@@ -94,17 +97,54 @@ class Yarn(BaseModel):
 
 
 class Transmission(BaseModel):
-    """Paper B's terms for the ray tracer: how light passes through the weave."""
+    """Paper B's terms for the ray tracer: how light passes through the weave.
+
+    The names are those of paper B, equation 1, put right: `rho` is the covered share of the area, so 1 - rho is open
+    (`openness`; a file may give that instead of rho), and k_a and k_t weigh the light through the holes and through
+    the yarns. No measured parameters have been published; the defaults are plausible for a white sheer.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
-    k_a: float = _about("", "share of diffuse transmission", default=0.3, ge=0.0, le=1.0)
-    k_t: float = _about("", "share of directed transmission", default=0.5, ge=0.0, le=1.0)
-    tau: float = _about("", "optical depth of the yarns", default=0.5, ge=0.0, le=20.0)
-    rho: float = _about("", "yarn density: covered share of the area", default=0.6, ge=0.0, le=1.0)
-    roughness: float = _about("", "GGX roughness r", default=0.4, ge=0.01, le=1.0)
+    rho: float = _about("", "yarn density: covered share of the area, 1 - openness", default=0.65, ge=0.0, le=1.0)
+    k_a: float = _about("", "share of the light in the holes that passes", default=1.0, ge=0.0, le=1.0)
+    k_t: float = _about("", "share of the light in the yarns that goes on forward", default=0.6, ge=0.0, le=1.0)
+    tau: tuple[Depth, Depth, Depth] = _about("", "optical depth of the yarns, per channel", default=(0.15, 0.15, 0.15))
+    diffuse: float = _about("", "Lambertian share of the diffuse transmission", default=0.5, ge=0.0, le=1.0)
+    roughness: float = _about("", "GGX roughness r of the diffuse transmission", default=0.5, ge=0.02, le=1.0)
     eta_1: float = _about("", "refractive index outside", default=1.0, ge=1.0, le=3.0)
-    eta_2: float = _about("", "refractive index of the yarn", default=1.5, ge=1.0, le=3.0)
+    eta_2: float = _about("", "refractive index of the yarn", default=1.54, ge=1.0, le=3.0)
+    roughness_p: float = _about("", "GGX roughness of the directed transmission", default=0.1, ge=0.02, le=1.0)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _other_spellings(cls, data):
+        if isinstance(data, dict):
+            data = dict(data)
+            if "openness" in data:
+                if "rho" in data:
+                    raise ValueError("has both openness and rho, expected one of them (rho = 1 - openness); delete one")
+                openness = data.pop("openness")
+                if not isinstance(openness, int | float) or not 0.0 <= openness <= 1.0:
+                    raise ValueError(f"openness = {openness!r}, expected 0 to 1")
+                data["rho"] = 1.0 - openness
+            if isinstance(data.get("tau"), int | float):
+                data["tau"] = (data["tau"],) * 3
+        return data
+
+    @model_validator(mode="after")
+    def _two_media(self):
+        if abs(self.eta_1 - self.eta_2) < 0.02:
+            raise ValueError(
+                f"eta_1 = {self.eta_1:g} and eta_2 = {self.eta_2:g} are alike, so nothing refracts; "
+                "make them differ by 0.02 or more"
+            )
+        return self
+
+    @property
+    def openness(self) -> float:
+        """The share of holes at normal incidence."""
+        return 1.0 - self.rho
 
 
 class Fabric(BaseModel):

@@ -1,0 +1,46 @@
+"""Twin of glsl/woven/sheet.glsl: a sheet of woven cloth (paper B Eq. 1), in float64."""
+
+import numpy as np
+
+from .ggx import F_interface, f_GGX, f_straight
+
+
+def T_open(omega, rho):
+    """The share of light along omega [..., 3] that meets no yarn.   [own]"""
+    omega = np.asarray(omega, float)
+    q = 1 - np.sqrt(1 - np.asarray(rho, float))
+    z = np.maximum(np.abs(omega[..., 2]), 1e-12)
+    cos_a = z / np.maximum(np.hypot(omega[..., 1], omega[..., 2]), 1e-12)
+    cos_b = z / np.maximum(np.hypot(omega[..., 0], omega[..., 2]), 1e-12)
+    return np.maximum(0, 1 - q / cos_a) * np.maximum(0, 1 - q / cos_b)
+
+
+def covered(omega_i, omega_o, rho):
+    """The share of the yarns' term: the smaller of 1 - T_open of the two directions.   [own]"""
+    return np.minimum(1 - T_open(omega_i, rho), 1 - T_open(omega_o, rho))
+
+
+def absorption(omega_i, omega_o, tau):
+    """exp(-tau) along half of the layer in each direction, [..., 3].   [Mat 1]"""
+    z_i, z_o = (np.maximum(np.abs(np.asarray(o, float)[..., 2]), 0.1) for o in (omega_i, omega_o))
+    return np.exp(-np.asarray(tau, float) * ((1 / z_i + 1 / z_o) / 2)[..., None])
+
+
+def f_yarn(omega_i, omega_o, roughness, eta_1, eta_2, diffuse, roughness_p):
+    """1/2 diffuse transmission + 1/2 directed transmission, 1/sr.   [Mat 1]"""
+    f_t = (1 - diffuse) * f_GGX(omega_i, omega_o, roughness, eta_1, eta_2) + diffuse / np.pi
+    f = 0.5 * f_t + 0.5 * f_straight(omega_i, omega_o, roughness_p)
+    return np.where((np.asarray(omega_i)[..., 2] > 0) & (np.asarray(omega_o)[..., 2] < 0), f, 0.0)
+
+
+def T_sheet(omega, k_a, k, tau, rho):
+    """The part of a ray that goes on straight, [..., 3].   [Mat 1]"""
+    open_ = T_open(omega, rho)
+    through = (np.asarray(k) * (1 - open_))[..., None] * absorption(omega, omega, tau)
+    return (np.asarray(k_a) * open_)[..., None] + through
+
+
+def R_sheet(omega, k_t, rho, eta_1, eta_2):
+    """The part of a ray that the yarns mirror.   [own]"""
+    cos = np.abs(np.asarray(omega, float)[..., 2])
+    return (1 - T_open(omega, rho)) * (1 - np.asarray(k_t)) * F_interface(cos, eta_1, eta_2)

@@ -1,0 +1,48 @@
+// A sheet of woven cloth: holes between the yarns, and light through the yarns.   [Mat 1]
+// Directions are unit and point away from the sheet, in the surface frame: x = yarn 1, y = yarn 2, z = N.
+//   L_out = k_a T_open L_direct + covered k_t exp(-tau') f_yarn E cos_nl,   covered = 1 - T_open, rho at normal incidence
+// Twin: glcloth/reference/sheet.py
+#include "core/math.glsl"
+#include "woven/ggx.glsl"
+
+// [own]  The share of light along omega that meets no yarn: 1 - rho at normal incidence, less at a slant, because the
+// round yarns of each family cover their gaps: max(0, 1 - q / cos a) max(0, 1 - q / cos b), q = diameter / pitch, a and b
+// the angles to N in the planes across yarn 1 and across yarn 2.
+float T_open(vec3 omega, float rho) {
+    float q = 1.0 - sqrt(max(1.0 - rho, 0.0));
+    vec2 open = max(abs(omega.z) - q * vec2(length(omega.yz), length(omega.xz)), 0.0);
+    return open.x * open.y / max(omega.z * omega.z, 1e-12);
+}
+
+// [own]  The share of the yarns' term: symmetric in the two directions, and with the holes it never exceeds 1 for either.
+float covered(vec3 omega_i, vec3 omega_o, float rho) {
+    return 1.0 - max(T_open(omega_i, rho), T_open(omega_o, rho));
+}
+
+// [Mat 1]  exp(-tau) along the slanted way: half of the layer along omega_i, half along omega_o. The cosines are kept
+// from 0 because a yarn is round: no way through it is longer than about ten times the thinnest.
+vec3 absorption(vec3 omega_i, vec3 omega_o, vec3 tau) {
+    float ways = 0.5 / max(abs(omega_i.z), 0.1) + 0.5 / max(abs(omega_o.z), 0.1);
+    return exp(-tau * ways);
+}
+
+// [Mat 1]  What one unit of light through the yarns does: 1/2 f_t + 1/2 f_p, the diffuse and the directed transmission.
+//   f_t = (1 - diffuse) f_GGX(roughness, eta_1, eta_2) + diffuse / pi,   f_p = f_straight(roughness_p)
+// The Lambertian share is ours: one interface bends light by a few degrees only.
+float f_yarn(vec3 omega_i, vec3 omega_o, float roughness, float eta_1, float eta_2, float diffuse, float roughness_p) {
+    if (omega_i.z <= 0.0 || omega_o.z >= 0.0) return 0.0;
+    float f_t = mix(f_GGX(omega_i, omega_o, roughness, eta_1, eta_2), 1.0 / PI, diffuse);
+    return 0.5 * f_t + 0.5 * f_straight(omega_i, omega_o, roughness_p);
+}
+
+// [Mat 1]  The part of a ray that goes on straight: k_a T_open + (1 - T_open) k exp(-tau'). For a ray to the eye k = k_t;
+// for a ray to the lamp k = k_t / 2, the half that does not refract.
+vec3 T_sheet(vec3 omega, float k_a, float k, vec3 tau, float rho) {
+    float open = T_open(omega, rho);
+    return k_a * open + (1.0 - open) * k * absorption(omega, omega, tau);
+}
+
+// [own]  The part of a ray that the yarns mirror: (1 - T_open) (1 - k_t) F(cos); with T_sheet it never exceeds 1.
+float R_sheet(vec3 omega, float k_t, float rho, float eta_1, float eta_2) {
+    return (1.0 - T_open(omega, rho)) * (1.0 - k_t) * F_interface(abs(omega.z), eta_1, eta_2);
+}
