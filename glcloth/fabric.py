@@ -253,7 +253,8 @@ def parse_fabric(data: dict, where: str = "fabric") -> Fabric:
 
 def _first_problem(error: ValidationError) -> str:
     """One line for the first problem that pydantic found; the number of further ones behind it."""
-    problems = error.errors()
+    # A misspelt key is also a missing one; the misspelling is what to say.
+    problems = sorted(error.errors(), key=lambda p: p["type"] != "extra_forbidden")
     problem = problems[0]
     place = []
     model: type[BaseModel] | None = Fabric

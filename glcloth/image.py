@@ -88,7 +88,7 @@ def write_image(
 def check_output(path: str | Path) -> Path:
     """Return `path` if a picture can be written there; a long render asks before it starts. Raises InputError."""
     path = Path(path)
-    if path.suffix.lower() not in WRITABLE:
+    if path.suffix.lower() not in WRITABLE and not path.is_dir():
         what = path.suffix or "a file without suffix"
         raise InputError(f"{path}: cannot write {what}, expected a name that ends in {' or '.join(WRITABLE)}")
     return check_writable(path)

@@ -1,0 +1,243 @@
+"""The command line as a user meets it: right input makes files, wrong input one line and exit code 2."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from glcloth import cli
+from glcloth.image import read_image, read_settings, write_image
+from glcloth.mesh import load_mesh, save_mesh
+
+ROOT = Path(__file__).resolve().parent.parent
+# Two directions per edge keep the reference quick; what is tested here is the door, not the light.
+QUICK = ["--mesh", "sphere", "--method", "reference", "--cube", "4", "--size", "32x24", "--lobes", "2"]
+
+
+def quick_but(*options):
+    """QUICK without the options that are given anew; an option may be given once."""
+    pairs = zip(QUICK[::2], QUICK[1::2], strict=True)
+    return [word for pair in pairs if pair[0] not in options for word in pair] + [str(o) for o in options]
+
+
+
+def run(*arguments):
+    """Exit code of one command in this process."""
+    try:
+        cli.main([str(a) for a in arguments])
+    except SystemExit as stop:
+        return stop.code
+    return 0
+
+
+def fails(capsys, *arguments):
+    """The one line that a wrong command prints; asserts that it is one line, exit code 2 and nothing on stdout."""
+    capsys.readouterr()
+    code = run(*arguments)
+    out, err = capsys.readouterr()
+    lines = [line for line in err.strip().splitlines() if not line.startswith("glcloth: warning")]
+    assert code == 2, (code, err)
+    assert len(lines) == 1 and lines[0].startswith("glcloth: "), err
+    assert "Traceback" not in err and out == ""
+    return lines[0]
+
+
+def test_render_writes_png_and_exr_with_their_scene(tmp_path, capsys):
+    for name in ("a.png", "a.exr"):
+        assert run("render", "-o", tmp_path / name, *QUICK, "--json") == 0
+        out, _ = capsys.readouterr()
+        result = json.loads(out)
+        assert out.count("\n") == 1 and result["width"] == 32 and result["covered_pixels"] > 100
+        assert read_image(tmp_path / name).shape == (24, 32, 3)
+        assert read_settings(tmp_path / name)["scene"]["mesh"] == "sphere"
+
+
+def test_a_picture_renders_again_to_the_same_picture(tmp_path):
+    assert run("render", "-o", tmp_path / "a.exr", *QUICK, "--fabric", "linen", "--env-rotate", "-40") == 0
+    assert run("render", tmp_path / "a.exr", "-o", tmp_path / "b.exr") == 0
+    assert np.array_equal(read_image(tmp_path / "a.exr"), read_image(tmp_path / "b.exr"))
+
+
+def test_no_background_leaves_alpha(tmp_path):
+    assert run("render", "-o", tmp_path / "a.exr", *QUICK, "--no-background") == 0
+    picture = read_image(tmp_path / "a.exr")
+    assert picture.shape == (24, 32, 4) and set(np.unique(picture[..., 3])) == {0.0, 1.0}
+    assert not picture[picture[..., 3] == 0].any()
+
+
+def test_samples_per_pixel_give_fractional_coverage(tmp_path):
+    assert run("render", "-o", tmp_path / "a.exr", *QUICK, "--no-background", "--spp", "4") == 0
+    alpha = read_image(tmp_path / "a.exr")[..., 3]
+    assert alpha.max() == 1.0 and ((alpha > 0) & (alpha < 1)).any()
+
+
+def test_diff_measures_and_draws(tmp_path, capsys):
+    a, b = np.full((8, 8, 3), 0.5, "f4"), np.full((8, 8, 3), 0.25, "f4")
+    write_image(tmp_path / "a.exr", a)
+    write_image(tmp_path / "b.exr", b)
+    assert run("diff", tmp_path / "a.exr", tmp_path / "b.exr", "--json", "-o", tmp_path / "d.exr", "--scale", "4") == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["rmse"] == pytest.approx(0.25) and result["relmse"] == pytest.approx(0.25**2 / (0.25**2 + 0.01))
+    assert result["psnr"] == pytest.approx(0.0, abs=1e-6) and 0 < result["flip"] <= 1
+    assert np.allclose(read_image(tmp_path / "d.exr"), 1.0)
+
+
+def test_info_names_the_renderer(capsys):
+    assert run("info", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["gl_renderer"]
+
+
+def test_module_runs_from_any_folder(tmp_path):
+    result = subprocess.run([sys.executable, "-m", "glcloth", "--version"], cwd=tmp_path, capture_output=True, text=True)
+    assert result.returncode == 0 and result.stdout.strip()
+
+
+def bad_fabric(tmp_path, change):
+    text = (ROOT / "glcloth/fabrics/linen.toml").read_text()
+    path = tmp_path / "mine.toml"
+    path.write_text(change(text))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda t: t.replace("eta =", "etta =", 1), "yarn 1: etta: unknown key; did you mean eta?"),
+        (lambda t: t.replace("gamma_s_deg = 12", "gamma_s_deg = -1", 1), "yarn 1: gamma_s_deg = -1"),
+        (lambda t: t + t[t.index("[[yarn]]") :], "has 4 yarns, expected exactly two"),
+        (lambda t: t.replace("samples = 2", "", 1), "needs curve_angles_deg, curve_lengths and samples"),
+        (lambda t: t.replace("curve_lengths = [1]", "curve_lengths = [1, 1]", 1), "expected 1, one between"),
+        (lambda t: t.replace("area = 0.33", "area = 0.8"), "areas add up to 1.6"),
+        (lambda t: t.replace('"sadeghi"', '"other"'), "normalization"),
+        (lambda t: "eta = = 3", "not TOML"),
+        (lambda t: "", "name"),
+    ],
+)
+def test_wrong_fabric_files(tmp_path, capsys, change, said):
+    path = bad_fabric(tmp_path, change)
+    line = fails(capsys, "render", "-o", tmp_path / "a.png", *QUICK, "--fabric", path)
+    assert said in line and "mine.toml" in line
+    assert not (tmp_path / "a.png").exists()
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--fabric", "linnen"], 'did you mean "linen"'),
+        (["--fabric", "nothere.toml"], "no such file"),
+        (["--env", "stduio"], "did you mean studio"),
+        (["--env", "nothere.exr"], "nothere.exr"),
+        (["--mesh", "spere"], "did you mean sphere"),
+        (["--mesh", "nothere.obj"], "nothere.obj"),
+        (["--size", "0x0"], "16384"),
+        (["--size", "20000x20000"], "16384"),
+        (["--size", "wide"], "WIDTHxHEIGHT"),
+        (["--lobes", "0"], "1 to 64"),
+        (["--lobes", "65"], "1 to 64"),
+        (["--method", "fast"], "direct, paper"),
+        (["--quality", "best"], "draft, normal"),
+        (["--spp", "0"], "spp"),
+        (["--segments", "0"], "segments"),
+        (["--cube", "1"], "cube"),
+        (["--contribution", "1.5"], "contribution"),
+        (["--env-rotate", "north"], "env-rotate"),
+        (["--fabrik", "linen"], "--fabric"),
+        (["--device", "77"], "device"),
+        (["--device", "-1"], "device"),
+        (["--view-transform", "nice"], "standard"),
+    ],
+)
+def test_wrong_options(tmp_path, capsys, options, said):
+    line = fails(capsys, "render", "-o", tmp_path / "a.png", *quick_but(*options))
+    assert said in line
+    assert not (tmp_path / "a.png").exists()
+
+
+def test_wrong_outputs(tmp_path, capsys):
+    assert "xyz" in fails(capsys, "render", "-o", tmp_path / "a.xyz", *QUICK)
+    assert "does not exist" in fails(capsys, "render", "-o", tmp_path / "none/a.png", *QUICK)
+    assert "folder" in fails(capsys, "render", "-o", tmp_path, *QUICK)
+    assert "--output" in fails(capsys, "render", *QUICK)
+    if os.geteuid() != 0:  # root may write anywhere
+        (tmp_path / "locked").mkdir(mode=0o500)
+        assert "permission" in fails(capsys, "render", "-o", tmp_path / "locked/a.png", *QUICK)
+
+
+def test_wrong_commands(capsys):
+    assert "render" in fails(capsys, "rendr")
+    assert "nothere" in fails(capsys, "render", "nothere", "-o", "a.png")
+
+
+@pytest.mark.parametrize("name", ["a.exr", "a.hdr", "a.png"])
+def test_damaged_pictures(tmp_path, capsys, name):
+    path = tmp_path / name
+    good = tmp_path / f"good{path.suffix}"
+    if path.suffix == ".hdr":
+        good.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8 +X 16\n" + bytes([128, 128, 128, 129]) * 128)
+    else:
+        write_image(good, np.ones((32, 64, 3), "f4"))
+    for content in (b"", b"this is not a picture\n" * 20, good.read_bytes()[: len(good.read_bytes()) // 2]):
+        path.write_bytes(content)
+        line = fails(capsys, "render", "-o", tmp_path / "out.png", *QUICK, "--env", path)
+        assert name in line
+
+
+def test_an_hdri_with_bad_samples_warns_once_and_renders(tmp_path, capsys):
+    radiance = np.full((16, 32, 3), 0.7, "f4")
+    radiance[3, 4] = np.nan
+    radiance[5, 6, 1] = -2.0
+    radiance[7, 8, 2] = np.inf
+    write_image(tmp_path / "bad.exr", radiance)
+    assert run("render", "-o", tmp_path / "a.exr", *QUICK, "--env", tmp_path / "bad.exr") == 0
+    err = capsys.readouterr().err
+    assert err.count("warning") == 1 and "bad.exr" in err
+    assert np.isfinite(read_image(tmp_path / "a.exr")).all()
+
+
+def obj(tmp_path, text):
+    path = tmp_path / "mine.obj"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "hello\n"],
+    ids=["empty", "no faces", "nan", "index", "text"],
+)
+def test_damaged_meshes(tmp_path, capsys, text):
+    assert "mine.obj" in fails(capsys, "render", "-o", tmp_path / "a.png", *quick_but("--mesh", obj(tmp_path, text)))
+
+
+def test_a_mesh_without_uvs_warns_once_and_renders(tmp_path, capsys):
+    path = obj(tmp_path, "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nv 0 1 0\nf 1 2 3\nf 3 4 4\n")  # the second face is degenerate
+    assert run("render", "-o", tmp_path / "a.exr", *quick_but("--mesh", path)) == 0
+    err = capsys.readouterr().err
+    assert err.count("warning") == 1 and "mine.obj" in err
+    picture = read_image(tmp_path / "a.exr")
+    assert np.isfinite(picture).all() and picture.max() > 0
+
+
+def test_every_mesh_format_gives_the_same_picture(tmp_path, capsys):
+    sphere = load_mesh("sphere")
+    pictures = []
+    for suffix in ("obj", "ply", "glb"):
+        save_mesh(tmp_path / f"s.{suffix}", sphere)
+        assert run("render", "-o", tmp_path / f"{suffix}.exr", *quick_but("--mesh", tmp_path / f"s.{suffix}")) == 0
+        pictures.append(read_image(tmp_path / f"{suffix}.exr"))
+    assert np.abs(pictures[0] - pictures[1]).max() < 1e-3 and np.abs(pictures[0] - pictures[2]).max() < 1e-3
+
+
+def test_ctrl_c_leaves_no_file(tmp_path, monkeypatch, capsys):
+    from glcloth import renderer
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(renderer.Renderer, "draw", interrupted)
+    assert run("render", "-o", tmp_path / "a.png", *QUICK) == 130
+    assert list(tmp_path.iterdir()) == []
