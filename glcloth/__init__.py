@@ -1,3 +1,46 @@
-"""Woven cloth as it really looks, from Python, on OpenGL."""
+"""Woven cloth as it really looks, from Python, on OpenGL.
+
+The public names are imported when they are first used, so that `import glcloth` and the command line start at once.
+"""
+
+from importlib import import_module
 
 __version__ = "0.1.0"
+
+_PUBLIC = {
+    "Camera": "camera",
+    "Environment": "environment",
+    "Fabric": "fabric",
+    "InputError": "errors",
+    "Lights": "lights",
+    "Mesh": "mesh",
+    "NoOpenGLError": "errors",
+    "Renderer": "renderer",
+    "Scene": "scene",
+    "SphericalGaussians": "lights",
+    "Suns": "lights",
+    "Yarn": "fabric",
+    "fit_lights": "fit",
+    "load_environment": "environment",
+    "load_fabric": "fabric",
+    "load_mesh": "mesh",
+    "load_scene": "scene",
+    "read_image": "image",
+    "save_fabric": "fabric",
+    "save_mesh": "mesh",
+    "save_scene": "scene",
+    "write_image": "image",
+}
+__all__ = ["__version__", *_PUBLIC]
+
+
+def __getattr__(name: str):
+    if name not in _PUBLIC:
+        raise AttributeError(f"module 'glcloth' has no attribute {name!r}")
+    value = getattr(import_module(f".{_PUBLIC[name]}", __name__), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)
