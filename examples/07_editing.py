@@ -18,7 +18,7 @@ def edited(scale):
     """The satin with both lobes of its first yarn scaled."""
     first, second = satin.yarn
     lobes = {"gamma_s_deg": first.gamma_s_deg * scale, "gamma_v_deg": first.gamma_v_deg * scale}
-    return satin.model_copy(update={"yarn": (first.model_copy(update=lobes), second)})
+    return satin.changed(yarn=(first.changed(**lobes), second))
 
 
 fabrics = [satin, edited(2.0), edited(5.0), "silk_crepe_de_chine", "silk_shot", "velvet"]

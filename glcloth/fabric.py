@@ -37,10 +37,26 @@ class Tangent(NamedTuple):
     count: int
 
 
-class Yarn(BaseModel):
-    """One of the two yarns of a weave: the parameters of paper A, equation 5, and its tangent curve."""
+class _Value(BaseModel):
+    """A frozen value that is edited by making another one."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def changed(self, **changes):
+        """The same value with some fields replaced. Raises InputError for unknown fields and values out of range."""
+        data = {name: getattr(self, name) for name in type(self).model_fields}
+        try:
+            return type(self).model_validate({**data, **changes})
+        except ValidationError as error:
+            raise InputError(f"{type(self).__name__.lower()}: {_first_problem(error, type(self))}") from None
+
+    def model_copy(self, *, update=None, deep=False):
+        """As `changed`: pydantic's own copy would keep what was derived from the replaced fields."""
+        return self.changed(**(update or {}))
+
+
+class Yarn(_Value):
+    """One of the two yarns of a weave: the parameters of paper A, equation 5, and its tangent curve."""
 
     albedo: tuple[Albedo, Albedo, Albedo] = _about("linear Rec. 709", "colour of the volume term, A")
     eta: float = _about("", "index of refraction", gt=1.0, le=3.0)
@@ -96,15 +112,13 @@ class Yarn(BaseModel):
         return tuple(tilts)
 
 
-class Transmission(BaseModel):
+class Transmission(_Value):
     """Paper B's terms for the ray tracer: how light passes through the weave.
 
     The names are those of paper B, equation 1, put right: `rho` is the covered share of the area, so 1 - rho is open
     (`openness`; a file may give that instead of rho), and k_a and k_t weigh the light through the holes and through
     the yarns. No measured parameters have been published; the defaults are plausible for a white sheer.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     rho: float = _about("", "yarn density: covered share of the area, 1 - openness", default=0.65, ge=0.0, le=1.0)
     k_a: float = _about("", "share of the light in the holes that passes", default=1.0, ge=0.0, le=1.0)
@@ -147,14 +161,12 @@ class Transmission(BaseModel):
         return 1.0 - self.rho
 
 
-class Fabric(BaseModel):
+class Fabric(_Value):
     """A fabric: two yarns, the width of shadowing and masking, and which normalisation of W holds.
 
     `normalization` "sadeghi": W = M P / Q with Q = sum_t w_t P + (1 - a_1 - a_2) max(omega_o . N, 0), w_t = a_j / N_j.
     "paper": equation 6 of paper A as printed, W = M P / sum_t P, without gaps and without 1 / N_j.
     """
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
 
     name: str = Field(min_length=1)
     normalization: Literal["sadeghi", "paper"] = "sadeghi"
@@ -251,13 +263,13 @@ def parse_fabric(data: dict, where: str = "fabric") -> Fabric:
         raise InputError(f"{where}: {_first_problem(error)}") from None
 
 
-def _first_problem(error: ValidationError) -> str:
+def _first_problem(error: ValidationError, model: type[BaseModel] | None = None) -> str:
     """One line for the first problem that pydantic found; the number of further ones behind it."""
     # A misspelt key is also a missing one; the misspelling is what to say.
     problems = sorted(error.errors(), key=lambda p: p["type"] != "extra_forbidden")
     problem = problems[0]
     place = []
-    model: type[BaseModel] | None = Fabric
+    model = model or Fabric
     for part in problem["loc"]:
         if isinstance(part, int) and place and place[-1] == "yarn":
             place[-1] = f"yarn {part + 1}"

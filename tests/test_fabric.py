@@ -1,0 +1,68 @@
+"""Fabrics: sampling of tangent curves, the weights of both normalisations, files, edits."""
+
+import numpy as np
+import pytest
+
+from glcloth.errors import InputError
+from glcloth.fabric import Yarn, builtin_fabrics, load_fabric, save_fabric
+
+SIX = ("linen", "silk_crepe_de_chine", "satin_charmeuse_front", "satin_charmeuse_back", "silk_shot", "velvet")
+
+
+def yarn(**changes):
+    values = dict(albedo=(0.1, 0.1, 0.1), eta=1.4, k_d=0.2, gamma_s_deg=5, gamma_v_deg=10, area=0.5)
+    return Yarn(**{**values, **changes})
+
+
+def test_the_six_of_the_table_are_built_in():
+    assert set(SIX) <= set(builtin_fabrics())
+
+
+@pytest.mark.parametrize("name", builtin_fabrics())
+def test_files_round_trip(name, tmp_path):
+    fabric = load_fabric(name)
+    save_fabric(tmp_path / "copy.toml", fabric)
+    assert load_fabric(tmp_path / "copy.toml") == fabric
+
+
+def test_curves_are_sampled_equally_ends_included():
+    """Silk's first yarn: -35, -35, 0, 35, 35, the five tangents of paper A's figure 8."""
+    assert load_fabric("silk_crepe_de_chine").yarn[0].tilts_deg == (-35, -35, 0, 35, 35)
+    line = yarn(curve_angles_deg=(-30, 30), curve_lengths=(2,), samples=4)
+    assert line.tilts_deg == pytest.approx((-30, -10, 10, 30))
+    assert yarn(curve_angles_deg=(-30, 10), curve_lengths=(2,), samples=1).tilts_deg == pytest.approx((-10,))
+
+
+def test_a_length_of_zero_is_a_jump():
+    jump = yarn(curve_angles_deg=(-90, -60, 60, 90), curve_lengths=(1, 0, 1), samples=5)
+    assert jump.tilts_deg == pytest.approx((-90, -75, -60, 75, 90))
+
+
+def test_equal_tangents_are_merged_with_their_count():
+    tangents = load_fabric("silk_crepe_de_chine").tangents
+    assert [(t.yarn, round(np.degrees(t.tilt)), t.count) for t in tangents] == [(0, -35, 2), (0, 0, 1), (0, 35, 2), (1, 0, 1)]
+
+
+@pytest.mark.parametrize("name", SIX)
+def test_weights_of_both_normalisations(name):
+    fabric = load_fabric(name)
+    areas = [y.area for y in fabric.yarn]
+    assert fabric.weights[:, 0].sum() == pytest.approx(sum(areas)) and fabric.gap == pytest.approx(1 - sum(areas))
+    assert np.array_equal(fabric.weights[:, 0], fabric.weights[:, 1])
+    paper = fabric.changed(normalization="paper")
+    counts = [t.count for t in fabric.tangents]
+    assert paper.gap == 0 and np.allclose(paper.weights[:, 1], counts)
+    assert np.allclose(paper.weights[:, 0], [areas[t.yarn] * t.count for t in fabric.tangents])
+
+
+def test_an_edit_derives_everything_anew():
+    """What was computed for the old fabric must not live on in the new one."""
+    fabric = load_fabric("linen")
+    before = fabric.tangents, fabric.weights
+    first, second = fabric.yarn
+    edited = fabric.changed(yarn=(first.changed(curve_angles_deg=(-40, 40)), second))
+    assert {round(np.degrees(t.tilt)) for t in edited.tangents} == {-40, 40, -25, 25}
+    assert fabric.model_copy(update={"normalization": "paper"}).gap == 0
+    assert (fabric.tangents, fabric.weights.tolist()) == (before[0], before[1].tolist())
+    with pytest.raises(InputError, match="eta"):
+        first.changed(eta=0.5)
