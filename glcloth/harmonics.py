@@ -174,7 +174,9 @@ def gaussian_bands(sharpness: np.ndarray, l_max: int = L_MAX) -> tuple[np.ndarra
     # i_l' = i_{l+1} + (l / x) i_l, and i_0' = i_1   [DLMF 10.51.5]
     l = np.arange(l_max + 1)[:, None]
     slope = x * (c[1:] - c[:-1] * c[1]) + l * c[:-1]
-    return c[:-1].T, slope.T
+    # Below the floor of x, c_l is proportional to lam^l.
+    small = (lam / x) ** l
+    return (c[:-1] * small).T, (slope * small).T
 
 
 def gaussian_flux(sharpness: np.ndarray) -> np.ndarray:
