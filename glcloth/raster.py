@@ -117,6 +117,8 @@ class GBuffer:
         return data[::-1, :, 3] != 0.0
 
     def release(self) -> None:
+        # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
+        self.ctx.detect_framebuffer(0).use()
         for thing in (self.frames, self.target, self.frame_N, self.frame_x, self.color, self.depth):
             thing.release()
         self.program.release()
