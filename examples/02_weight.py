@@ -17,7 +17,10 @@ from glcloth.reference.frame import tangent_axes
 
 path = sys.argv[1] if len(sys.argv) > 1 else "out/02_weight.png"
 fabric = glcloth.load_fabric("linen")
-yarns = [dict(eta=y.eta, k_d=y.k_d, gamma_s=np.radians(y.gamma_s_deg), gamma_v=np.radians(y.gamma_v_deg)) for y in fabric.yarn]
+yarns = [
+    dict(eta=y.eta, k_d=y.k_d, gamma_s=np.radians(y.gamma_s_deg), gamma_v=np.radians(y.gamma_v_deg))
+    for y in fabric.yarn
+]
 x, y = np.meshgrid(np.linspace(-1, 1, 400), np.linspace(1, -1, 400))
 z = np.sqrt(np.maximum(1 - x * x - y * y, 0))
 omega_i = np.stack([x, y, z], -1)

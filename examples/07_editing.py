@@ -23,5 +23,7 @@ def edited(scale):
 
 fabrics = [satin, edited(2.0), edited(5.0), "silk_crepe_de_chine", "silk_shot", "velvet"]
 with glcloth.Renderer() as renderer:
-    pictures = [renderer.render(fabric=fabric, environment="sky", size=size, quality="high", spp=4) for fabric in fabrics]
+    pictures = [
+        renderer.render(fabric=fabric, environment="sky", size=size, quality="high", spp=4) for fabric in fabrics
+    ]
 glcloth.write_image(path, np.vstack([np.hstack(pictures[:3]), np.hstack(pictures[3:])]))

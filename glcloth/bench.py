@@ -106,7 +106,10 @@ def cloth_table(result: dict) -> str:
     """The result of `cloth` for a person."""
     head = f"{result['fabric']} on {result['mesh']} in {result['env']}, {result['size'][0]}x{result['size'][1]}, "
     head += f"{100 * result['coverage']:.0f} % covered, K = {result['lobes']}, median of {result['frames']}, "
-    lines = [head + result["gl_renderer"], f"{'method':16}{'ms':>10}{'CPU ms':>10}{'ns/pixel':>10}{'evaluations':>13}{'reference/':>12}"]
+    lines = [
+        head + result["gl_renderer"],
+        f"{'method':16}{'ms':>10}{'CPU ms':>10}{'ns/pixel':>10}{'evaluations':>13}{'reference/':>12}",
+    ]
     for name, value in result["methods"].items():
         ratio = value.get("reference_ratio")
         lines.append(

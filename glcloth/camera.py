@@ -75,7 +75,9 @@ class Camera:
         return max(float(depth.min()) - 0.01 * extent, 1e-3 * far), far
 
     @staticmethod
-    def framing(center, radius: float, direction=(0.35, 0.25, 1.0), fov_deg: float = 35.0, aspect: float = 4 / 3) -> Camera:
+    def framing(
+        center, radius: float, direction=(0.35, 0.25, 1.0), fov_deg: float = 35.0, aspect: float = 4 / 3
+    ) -> Camera:
         """A camera that looks along -direction at a sphere and just holds it."""
         half = np.radians(fov_deg) / 2
         half = min(half, np.arctan(np.tan(half) * aspect))

@@ -16,7 +16,9 @@ from .errors import InputError, NoOpenGLError, ShaderError
 from .files import check_writable
 from .progress import say
 
-app = App(name="glcloth", help="Woven cloth as it really looks, on OpenGL.", version=__version__, help_format="plaintext")
+app = App(
+    name="glcloth", help="Woven cloth as it really looks, on OpenGL.", version=__version__, help_format="plaintext"
+)
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object on stdout.")]
 Device = Annotated[int | None, Parameter(help="EGL device; `glcloth info` lists them.")]
@@ -183,7 +185,9 @@ def diff(
     b: Path,
     /,
     *,
-    metric: Annotated[Literal["flip", "rmse", "relmse", "psnr"] | None, Parameter(help="One metric; default: all.")] = None,
+    metric: Annotated[
+        Literal["flip", "rmse", "relmse", "psnr"] | None, Parameter(help="One metric; default: all.")
+    ] = None,
     scale: Annotated[float, Parameter(help="Brightness of the difference picture.")] = 8.0,
     output: Annotated[Path | None, _output("Difference picture to write, .png or .exr.")] = None,
     json: Json = False,

@@ -192,7 +192,9 @@ class Renderer:
                 drawn = offset
             self.shared.bind(program)
             method.bind(program)
-            shader.set_uniforms(program, pass_weight=1.0 / scene.spp, pass_cover=1.0 / (scene.spp * len(passes)), **uniforms)
+            shader.set_uniforms(
+                program, pass_weight=1.0 / scene.spp, pass_cover=1.0 / (scene.spp * len(passes)), **uniforms
+            )
             buffer.shade(program, add=len(jobs) > 1)
             if len(jobs) > 1:
                 self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard between passes

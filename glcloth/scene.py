@@ -90,7 +90,9 @@ def parse_scene(data: dict, where: str) -> Scene:
         return Scene.model_validate(data)
     except ValidationError as error:
         problem = error.errors()[0]
-        place = [str(part) for part in problem["loc"] if not str(part).startswith(("literal", "function", "constrained"))]
+        place = [
+            str(part) for part in problem["loc"] if not str(part).startswith(("literal", "function", "constrained"))
+        ]
         name = place[0] if place else "scene"
         if problem["type"] == "extra_forbidden":
             close = difflib.get_close_matches(name, list(Scene.model_fields), 1, 0.5)
@@ -119,14 +121,18 @@ def load_scene(name_or_path: str | Path) -> Scene:
     if path.suffix.lower() in (".exr", ".png"):
         data = read_settings(path)
         if not data or "scene" not in data:
-            raise InputError(f"{path}: holds no glcloth scene; give a picture that glcloth rendered, or a scene file (.toml)")
+            raise InputError(
+                f"{path}: holds no glcloth scene; give a picture that glcloth rendered, or a scene file (.toml)"
+            )
         return parse_scene(data["scene"], text)
     if path.suffix != ".toml" and not path.is_file():
         names = builtin_scenes()
         if text not in names:
             close = difflib.get_close_matches(text.lower(), names, 1, 0.4)
             hint = f'; did you mean "{close[0]}"?' if close else ""
-            raise InputError(f'scene "{text}": not a built-in scene ({", ".join(names)}) and not a .toml, .exr or .png file{hint}')
+            raise InputError(
+                f'scene "{text}": not a built-in scene ({", ".join(names)}) and not a .toml, .exr or .png file{hint}'
+            )
         path = SCENES / f"{text}.toml"
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))

@@ -14,7 +14,11 @@ def golden_fabrics(data, normalization):
         yarns = []
         for j in (0, 1):
             mine = [t for t in range(int(data["n_tan"][f])) if data["tan_yarn"][f, t] == j]
-            tilts = [round(float(np.degrees(data["tan_tilt"][f, t])), 9) for t in mine for _ in range(int(data["tan_mult"][f, t]))]
+            tilts = [
+                round(float(np.degrees(data["tan_tilt"][f, t])), 9)
+                for t in mine
+                for _ in range(int(data["tan_mult"][f, t]))
+            ]
             yarns.append(
                 Yarn(
                     albedo=tuple(float(v) for v in data["yarn_A"][f, j]),
@@ -27,7 +31,9 @@ def golden_fabrics(data, normalization):
                 )
             )
         sigma_deg = float(np.degrees(data["sigma_MP"]))
-        fabrics.append(Fabric(name=str(data["fabric_names"][f]), normalization=normalization, sigma_deg=sigma_deg, yarn=yarns))
+        fabrics.append(
+            Fabric(name=str(data["fabric_names"][f]), normalization=normalization, sigma_deg=sigma_deg, yarn=yarns)
+        )
     return fabrics
 
 

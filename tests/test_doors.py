@@ -24,7 +24,6 @@ def quick_but(*options):
     return [word for pair in pairs if pair[0] not in options for word in pair] + [str(o) for o in options]
 
 
-
 def run(*arguments):
     """Exit code of one command in this process."""
     try:
@@ -92,7 +91,9 @@ def test_info_names_the_renderer(capsys):
 
 
 def test_module_runs_from_any_folder(tmp_path):
-    result = subprocess.run([sys.executable, "-m", "glcloth", "--version"], cwd=tmp_path, capture_output=True, text=True)
+    result = subprocess.run(
+        [sys.executable, "-m", "glcloth", "--version"], cwd=tmp_path, capture_output=True, text=True
+    )
     assert result.returncode == 0 and result.stdout.strip()
 
 
@@ -206,7 +207,13 @@ def obj(tmp_path, text):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", "hello\n"],
+    [
+        "",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+        "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
+        "hello\n",
+    ],
     ids=["empty", "no faces", "nan", "index", "text"],
 )
 def test_damaged_meshes(tmp_path, capsys, text):

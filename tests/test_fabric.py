@@ -40,7 +40,12 @@ def test_a_length_of_zero_is_a_jump():
 
 def test_equal_tangents_are_merged_with_their_count():
     tangents = load_fabric("silk_crepe_de_chine").tangents
-    assert [(t.yarn, round(np.degrees(t.tilt)), t.count) for t in tangents] == [(0, -35, 2), (0, 0, 1), (0, 35, 2), (1, 0, 1)]
+    assert [(t.yarn, round(np.degrees(t.tilt)), t.count) for t in tangents] == [
+        (0, -35, 2),
+        (0, 0, 1),
+        (0, 35, 2),
+        (1, 0, 1),
+    ]
 
 
 @pytest.mark.parametrize("name", SIX)

@@ -78,14 +78,18 @@ def is_pure(path):
     return not path.relative_to(SHADERS).as_posix().startswith(BUFFERED)
 
 
-@pytest.mark.parametrize("path", [p for p in library_files() if is_pure(p)], ids=lambda p: p.relative_to(SHADERS).as_posix())
+@pytest.mark.parametrize(
+    "path", [p for p in library_files() if is_pure(p)], ids=lambda p: p.relative_to(SHADERS).as_posix()
+)
 def test_library_glsl_is_pure(path):
     code = re.sub(r"//.*", "", path.read_text(encoding="utf-8"))
     bad = re.search(r"\b(uniform|buffer|layout|main|sampler\w*|image\w*D|gl_\w+)\b|#version|#if|#ifdef", code)
     assert not bad, f"{path.name}: `{bad[0]}` belongs in glsl/passes"
 
 
-@pytest.mark.parametrize("path", [p for p in library_files() if is_pure(p)], ids=lambda p: p.relative_to(SHADERS).as_posix())
+@pytest.mark.parametrize(
+    "path", [p for p in library_files() if is_pure(p)], ids=lambda p: p.relative_to(SHADERS).as_posix()
+)
 def test_every_function_has_a_twin_and_a_source(path):
     found = twin.functions(path.relative_to(SHADERS))
     if not found:

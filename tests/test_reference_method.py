@@ -35,10 +35,20 @@ def test_a_picture_is_the_twin_at_every_pixel(renderer, name):
     camera = Camera((0.3, 0.6, 2.2), (0, 0, 0))
     fabric = load_fabric(name)
     picture = renderer.render(
-        fabric=fabric, mesh="sphere", lights=LIGHTS, camera=camera, method="reference", cube=cube, size=size, background=False
+        fabric=fabric,
+        mesh="sphere",
+        lights=LIGHTS,
+        camera=camera,
+        method="reference",
+        cube=cube,
+        size=size,
+        background=False,
     )
     buffer = renderer.gbuffer
-    N, x = (np.frombuffer(t.read(), "f4").reshape(size[1], size[0], 4).astype(float) for t in (buffer.frame_N, buffer.frame_x))
+    N, x = (
+        np.frombuffer(t.read(), "f4").reshape(size[1], size[0], 4).astype(float)
+        for t in (buffer.frame_N, buffer.frame_x)
+    )
     omega, solid_angle, radiance = cube_map_of_gaussians(LIGHTS.gaussians, cube)
     omega = np.concatenate([omega, LIGHTS.suns.direction])
     flux = np.concatenate([radiance * solid_angle[:, None], LIGHTS.suns.irradiance])

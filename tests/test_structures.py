@@ -50,7 +50,11 @@ def test_structs_mean_the_same_on_both_sides(ctx, name):
 
 
 def test_includes_come_once_and_in_order():
-    virtual = {"a": '#version 430\n#include "b"\n#include "c"\nvoid main() {}', "b": '#include "c"\nint b;', "c": "int c;"}
+    virtual = {
+        "a": '#version 430\n#include "b"\n#include "c"\nvoid main() {}',
+        "b": '#include "c"\nint b;',
+        "c": "int c;",
+    }
     text, where = shader.flatten("a", {"N": 3}, virtual)
     assert text.splitlines() == ["#version 430", "#define N 3", "int c;", "int b;", "void main() {}"]
     assert where == [("a", 1), ("<defines>", 0), ("c", 1), ("b", 2), ("a", 4)]

@@ -77,7 +77,9 @@ def test_no_fabric_reflects_more_than_it_gets(name):
     omega, solid_angle = hemisphere()
     for theta_deg in (0, 30, 60, 80, 88):
         for phi in (0.0, 0.7, np.pi / 2):
-            o = np.array([np.sin(theta_deg * DEG) * np.cos(phi), np.sin(theta_deg * DEG) * np.sin(phi), np.cos(theta_deg * DEG)])
+            o = np.array(
+                [np.sin(theta_deg * DEG) * np.cos(phi), np.sin(theta_deg * DEG) * np.sin(phi), np.cos(theta_deg * DEG)]
+            )
             albedo = solid_angle @ cloth.f_cloth(omega, o, *model(load_fabric(name)))
             assert 0 < albedo.max() < 1, (theta_deg, phi, albedo)
 
@@ -91,7 +93,9 @@ def test_without_gaps_and_up_to_the_cosine_the_cloth_is_reciprocal():
     assert np.allclose((R[..., None] * f).sum(-2), (R_back[..., None] * f_back).sum(-2), rtol=1e-9)
 
 
-@pytest.mark.xfail(strict=True, reason="the gap term of Q holds the viewer's cosine alone (Sadeghi et al. 2013), so gaps break it")
+@pytest.mark.xfail(
+    strict=True, reason="the gap term of Q holds the viewer's cosine alone (Sadeghi et al. 2013), so gaps break it"
+)
 def test_with_gaps_the_cloth_is_reciprocal():
     args = model(load_fabric("linen"))
     i, o = np.abs(random_directions(300, 9)), np.abs(random_directions(300, 10))

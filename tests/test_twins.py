@@ -33,7 +33,9 @@ def arguments(path, name, parameters, count, rng):
     out = []
     for kind, parameter in parameters:
         domain = special.get((name, parameter)) or general.get(parameter)
-        assert domain is not None, f"{name}: give `{kind} {parameter}` a domain in tests/domains/{path.split('/')[0]}.py"
+        assert domain is not None, (
+            f"{name}: give `{kind} {parameter}` a domain in tests/domains/{path.split('/')[0]}.py"
+        )
         values = np.asarray(domain(rng, count))
         out.append(values if kind in ("int", "uint") else values.astype(np.float32).astype(np.float64))
     return out
@@ -41,7 +43,7 @@ def arguments(path, name, parameters, count, rng):
 
 @pytest.mark.parametrize(("path", "name"), CASES)
 def test_twin(ctx, path, name):
-    kind, parameters = twin.functions(path)[name]
+    _, parameters = twin.functions(path)[name]
     reference = getattr(importlib.import_module(f"glcloth.reference.{path.split('/')[-1].removesuffix('.glsl')}"), name)
     args = arguments(path, name, parameters, 10_000, np.random.default_rng(7))
     got = twin.call(ctx, path, name, *args)

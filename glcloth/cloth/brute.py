@@ -72,4 +72,3 @@ class Reference:
     def evaluations_per_pixel(self) -> int:
         """Directions times tangents."""
         return self._count * self._tangents
-

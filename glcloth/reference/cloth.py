@@ -56,5 +56,8 @@ def f_cloth(omega_i, omega_o, yarns, tangents, weights, gap, sigma):
 def L_o(omega_o, directions, flux, yarns, tangents, weights, gap, sigma):
     """Radiance [N, 3] toward omega_o [N, 3] under light from directions [D, 3] with flux [D, 3] = radiance x solid angle."""
     return np.array(
-        [(f_cloth(directions, o[None], yarns, tangents, weights, gap, sigma) * flux).sum(0) for o in np.atleast_2d(omega_o)]
+        [
+            (f_cloth(directions, o[None], yarns, tangents, weights, gap, sigma) * flux).sum(0)
+            for o in np.atleast_2d(omega_o)
+        ]
     )

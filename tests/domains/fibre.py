@@ -3,7 +3,6 @@
 from . import between, directions
 
 
-
 def off_pole(rng, count):
     """Directions up to a hundredth from the axes; nearer than that float32 vectors do not define theta_d."""
     return directions(rng, count, tilt=1e-2)
