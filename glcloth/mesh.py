@@ -11,6 +11,7 @@ axis serves. `load_mesh` says so in one warning.
 from __future__ import annotations
 
 import difflib
+import tomllib
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -122,6 +123,11 @@ def load_mesh(name_or_path: str | Path) -> Mesh:
     if mesh.uv is None:
         warn(f"{path}: no usable UVs, so yarn 1 follows a projected world axis; add UVs to lay the cloth yourself")
     return mesh
+
+
+def load_view(name: str) -> dict | None:
+    """Return eye, target, up (3 numbers each, m) and fov_deg of a built-in mesh's camera, or None for other names."""
+    return tomllib.loads((MESHES / "views.toml").read_text(encoding="utf-8")).get(name)
 
 
 def _builtin(name: str) -> Mesh:

@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from glcloth import mesh as mesh_module
 from glcloth import progress
+from glcloth.camera import Camera
 from glcloth.errors import InputError
-from glcloth.mesh import build_mesh, load_mesh, save_mesh
+from glcloth.mesh import BUILTIN_MESHES, build_mesh, load_mesh, load_view, save_mesh
 from glcloth.obj import split_vertices
 from glcloth.shapes import cylinder, sphere
 
@@ -324,3 +326,47 @@ def test_public_meshes(name):
             gradient -= mesh.normals[vertex] * (gradient @ mesh.normals[vertex])
             worst.append(gradient @ mesh.tangents[vertex, :3] / np.linalg.norm(gradient))
         assert np.median(worst) > 0.99 and min(worst) > 0.8
+
+
+def covered(mesh, camera, size=(64, 48)):
+    """Share of the picture that the mesh's triangles cover, by point-in-triangle tests at the pixel centres."""
+    low, high = mesh.bounds
+    clip = np.column_stack([mesh.positions, np.ones(len(mesh.positions))]) @ (
+        camera.clip_from_world(size, *camera.depth_range(low, high)).T
+    )
+    assert (clip[:, 3] > 0).all(), "the mesh must lie before the camera"
+    corners = ((clip[:, :2] / clip[:, 3:] + 1) * np.array(size) / 2)[mesh.triangles]
+    picture = np.zeros(size[::-1], bool)
+    first = np.maximum(np.ceil(corners.min(axis=1) - 0.5), 0).astype(int)
+    last = np.minimum(np.floor(corners.max(axis=1) - 0.5), np.array(size) - 1).astype(int)
+    for (a, b, c), (x_0, y_0), (x_1, y_1) in zip(corners, first, last, strict=True):
+        if x_1 >= x_0 and y_1 >= y_0:
+            x, y = np.meshgrid(np.arange(x_0, x_1 + 1) + 0.5, np.arange(y_0, y_1 + 1) + 0.5)
+            sides = [(q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]) for p, q in ((a, b), (b, c), (c, a))]
+            inside = (np.min(sides, axis=0) >= 0) | (np.max(sides, axis=0) <= 0)
+            picture[y_0 : y_1 + 1, x_0 : x_1 + 1] |= inside
+    return picture.mean()
+
+
+@pytest.mark.parametrize("name", BUILTIN_MESHES)
+def test_builtin_meshes_fill_their_view(name):
+    mesh = load_mesh(name)
+    assert_frames(mesh)
+    assert mesh.uv is not None and mesh.name == name
+    assert 0.45 <= covered(mesh, Camera(**load_view(name))) <= 0.65
+
+
+def test_drape_is_cloth_in_metres():
+    """UVs are metres of a square of 1.6 m that neither stretches nor tears: its edges are as long as in the UVs."""
+    mesh = load_mesh("drape")
+    assert 20_000 <= len(mesh.triangles) <= 50_000
+    assert (Path(mesh_module.MESHES) / "drape.ply").stat().st_size <= 1.5e6
+    assert np.allclose(mesh.uv.min(axis=0), 0, atol=1e-6) and np.allclose(mesh.uv.max(axis=0), 1.6, atol=1e-6)
+    edges = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]])
+    d = np.abs(mesh.uv[edges[:, 1]] - mesh.uv[edges[:, 0]])
+    along = (d.min(axis=1) < 1e-6) & (d.max(axis=1) > 0)
+    length = np.linalg.norm(np.diff(mesh.positions[edges[along]], axis=1)[:, 0], axis=1)
+    strain = length / d[along].max(axis=1) - 1
+    # Where it is crushed in a fold a chord is shorter than the cloth; stretched it must hardly be.
+    assert np.percentile(strain, 99.9) < 0.02 and strain.max() < 0.05 and np.percentile(np.abs(strain), 95) < 0.02
+    assert (mesh.tangents[:, 3] == 1).all() and len(mesh.positions) == 150 * 150

@@ -1,0 +1,101 @@
+"""The built-in cloth: a square piece dropped over a ball that stands near the edge of a table.
+
+`glcloth drape -o FILE` makes it again. The cloth is simulated (glcloth.simulation, with self-contact), then laid as a
+cubic B-spline surface over the simulated vertices and sampled more finely: second derivatives are continuous, so
+highlights run smoothly along the folds, and the normals are exact. UVs are metres of cloth, so yarns stay evenly
+spaced wherever the folds take them.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import moderngl
+import numpy as np
+from scipy.interpolate import BSpline
+
+from .errors import InputError
+from .mesh import Mesh, build_mesh
+from .progress import track
+from .shapes import grid_triangles
+from .simulation import Box, Cloth, ClothParameters, Sphere
+
+SIZE = 1.6  # m, side of the cloth
+TURN_DEG = 42.0  # of the cloth on the table
+# The table's top is y = 0, its front edge z = 0.05 with a rounding of 3 cm; the ball stands on it, a hand from the edge.
+SOLIDS = (Box((0.0, -0.35, -0.6), (1.2, 0.35, 0.65), 0.03), Sphere((-0.04, 0.15, -0.16), 0.19))
+CENTER = (0.03, 0.36, 0.2)  # m, of the flat cloth before it falls
+FRAMES_PER_SECOND = 60
+SETTLE = 0.7  # s at the end in which strong damping brings the cloth to rest
+
+
+def drape(ctx: moderngl.Context, vertices: int = 128, samples: int = 150, seconds: float = 4.0) -> Mesh:
+    """Return the draped cloth with (samples - 1)^2 * 2 triangles, simulated with vertices x vertices for `seconds`.
+
+    Raises InputError for counts or a time that make no cloth, and RuntimeError if contacts were lost.
+    """
+    if vertices < 16 or samples < 16:
+        raise InputError(f"drape: {vertices} vertices, {samples} samples a side, expected 16 or more of each")
+    if not 0 < seconds < 60:
+        raise InputError(f"drape: {seconds} s, expected more than 0 and less than 60")
+    side = np.linspace(-SIZE / 2, SIZE / 2, vertices)
+    spacing = SIZE / (vertices - 1)
+    turn = np.radians(TURN_DEG)
+    along_u = np.array([np.cos(turn), 0.0, -np.sin(turn)])
+    along_v = np.array([-np.sin(turn), 0.0, -np.cos(turn)])
+    flat = CENTER + side[None, :, None] * along_u - side[:, None, None] * along_v
+    falling = ClothParameters(
+        spacing=(spacing, spacing),
+        mass=0.15,
+        bending=2e-5,
+        friction=0.6,
+        damping=1.5,
+        gap=1.05 * spacing,
+        substeps=16,
+        speed_limit=2.0,
+    )
+    settling = dataclasses.replace(falling, damping=15.0)
+    cloth = Cloth(ctx, falling, flat, SOLIDS)
+    try:
+        frames = max(1, round(seconds * FRAMES_PER_SECOND))
+        for frame in track(range(frames), "draping"):
+            if frame >= frames - SETTLE * FRAMES_PER_SECOND:
+                cloth.parameters = settling
+            cloth.step(1.0 / FRAMES_PER_SECOND)
+        if lost := cloth.contacts_lost():
+            raise RuntimeError(f"a vertex met {lost} others at once, more than MAX_NEAR in simulate/shared.glsl")
+        return surface_mesh("drape", cloth.positions(), (SIZE, SIZE), samples, samples)
+    finally:
+        cloth.release()
+
+
+def surface_mesh(name: str, positions: np.ndarray, size: tuple[float, float], rows: int, columns: int) -> Mesh:
+    """Return the cubic B-spline surface over `positions` [R, C, 3] of a cloth of `size` (m), sampled rows x columns.
+
+    The border curves are kept; inside, the surface lies within half a bending height of the vertices. UVs are metres,
+    u along a row, v up the columns.
+    """
+    positions = np.asarray(positions, np.float64)
+    by_row, by_row_slope = _spline(positions.shape[0], rows)
+    by_column, by_column_slope = _spline(positions.shape[1], columns)
+
+    def sample(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return np.einsum("ri,cj,ijk->rck", a, b, positions, optimize=True).reshape(-1, 3)
+
+    # The same weights carry the flat cloth's coordinates, so the UVs are those of the material at each sample.
+    u = by_column @ np.linspace(0.0, size[0], positions.shape[1])
+    v = by_row @ np.linspace(size[1], 0.0, positions.shape[0])
+    uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
+    # v falls down the rows, hence the order of the factors.
+    N = np.cross(sample(by_row_slope, by_column), sample(by_row, by_column_slope))
+    return build_mesh(name, sample(by_row, by_column), grid_triangles(rows, columns), uv, N)
+
+
+def _spline(count: int, samples: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return [samples, count] weights of a clamped uniform cubic B-spline's value and slope, evenly over its length."""
+    knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, count - 2), [1.0] * 3])
+    basis = BSpline(knots, np.eye(count), 3)
+    # The flat cloth's own coordinate is the spline of its vertices; invert it so that samples are even in cloth.
+    fine = np.linspace(0.0, 1.0, 64 * samples)
+    t = np.interp(np.linspace(0.0, 1.0, samples), basis(fine) @ np.linspace(0.0, 1.0, count), fine)
+    return basis(t), basis.derivative()(t)

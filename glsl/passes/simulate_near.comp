@@ -1,0 +1,51 @@
+#version 430
+// Contact, step 5: list for each vertex the vertices within one cell size that are not its own neighbours in the weave.
+// The lists serve several substeps. One invocation per vertex.
+#include "simulate/shared.glsl"
+#include "simulate/contact.glsl"
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) readonly buffer Position { vec4 x[]; };
+layout(std430, binding = 1) readonly buffer Begin { int begin[]; };
+layout(std430, binding = 2) readonly buffer Cursor { int cursor[]; };
+layout(std430, binding = 3) readonly buffer Member { int member[]; };
+layout(std430, binding = 4) writeonly buffer Near { int near[]; };       // MAX_NEAR slots per vertex
+layout(std430, binding = 5) writeonly buffer NearCount { int near_count[]; };
+layout(std430, binding = 6) buffer Overflow { int overflow; };           // the longest list asked for, if too long
+uniform int vertex_count;
+uniform int columns;
+uniform int table_size;
+uniform float cell_size;
+
+void main() {
+    int index = int(gl_GlobalInvocationID.x);
+    if (index >= vertex_count) {
+        return;
+    }
+    vec3 here = x[index].xyz;
+    vec3 home = floor(here / cell_size);
+    int i = index / columns;
+    int j = index - i * columns;
+    int found = 0;
+    for (int k = 0; k < 27; k++) {
+        vec3 cell = home + vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1);
+        int slot = bucket(cell, table_size);
+        for (int m = begin[slot]; m < cursor[slot]; m++) {
+            int other = member[m];
+            vec3 there = x[other].xyz;
+            vec3 e = there - here;
+            int other_i = other / columns;
+            bool woven = abs(other_i - i) <= 1 && abs(other - other_i * columns - j) <= 1;
+            // Another cell may share the bucket: what is not of this cell is met in its own, or is too far.
+            if (!woven && dot(e, e) < cell_size * cell_size && floor(there / cell_size) == cell) {
+                if (found < MAX_NEAR) {
+                    near[index * MAX_NEAR + found] = other;
+                }
+                found++;
+            }
+        }
+    }
+    near_count[index] = min(found, MAX_NEAR);
+    if (found > MAX_NEAR) {
+        atomicMax(overflow, found);
+    }
+}
