@@ -21,6 +21,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from . import equirect, harmonics
+from .bands import FABRICS, band_weights
 from .color import LUMINANCE, luminance
 from .environment import Environment
 from .errors import InputError
@@ -42,48 +43,9 @@ __all__ = [
 ]
 
 # Changes when a fit of the same map would come out differently; part of the cache key.
-VERSION = 1
+VERSION = 3
 MAX_LOBES = 64
 AUTO_LOBES = (5, 10, 16, 24, 40, 64)
-
-# b_l = sqrt(Q_l / Q_0), measured for this project by brute force: the kernel K of 200 random (frame, view) pairs per
-# fabric on a 512 x 256 map, degrees in between interpolated in ln b. `generic` is the root mean square of the three.
-_MEASURED = np.array(
-    [  # l, linen, silk, satin, generic
-        [0, 1.0000, 1.0000, 1.0000, 1.0000],
-        [1, 0.6146, 0.6146, 0.6742, 0.6351],
-        [2, 0.2162, 0.2568, 0.3444, 0.2777],
-        [3, 0.1226, 0.1699, 0.2253, 0.1776],
-        [4, 0.0774, 0.1313, 0.1679, 0.1309],
-        [5, 0.0534, 0.1466, 0.1693, 0.1329],
-        [6, 0.0262, 0.1128, 0.1720, 0.1197],
-        [7, 0.0295, 0.0755, 0.1490, 0.0979],
-        [8, 0.0164, 0.0486, 0.1155, 0.0729],
-        [9, 0.0190, 0.0391, 0.0992, 0.0625],
-        [10, 0.0111, 0.0351, 0.1206, 0.0728],
-        [11, 0.0134, 0.0317, 0.1421, 0.0844],
-        [12, 0.0084, 0.0238, 0.1356, 0.0797],
-        [14, 0.0065, 0.0152, 0.0991, 0.0580],
-        [16, 0.0053, 0.0123, 0.0721, 0.0424],
-        [18, 0.0044, 0.0093, 0.0639, 0.0374],
-        [20, 0.0038, 0.0077, 0.0486, 0.0285],
-        [24, 0.0029, 0.0058, 0.0352, 0.0207],
-        [28, 0.0023, 0.0047, 0.0235, 0.0139],
-        [32, 0.0019, 0.0040, 0.0157, 0.0094],
-    ]
-)
-FABRICS = ("linen", "silk", "satin", "generic")
-_SIMILAR = {"silk_crepe_de_chine": "silk", "satin_charmeuse_front": "satin", "silk_shot": "silk"}
-
-
-def band_weights(fabric: str = "generic") -> np.ndarray:
-    """b_l [33]: how strongly a fabric's shading follows degree l of its environment, relative to the mean.
-
-    A fabric that was not measured has the generic curve.
-    """
-    name = _SIMILAR.get(fabric, fabric if fabric in FABRICS else "generic")
-    b = _MEASURED[:, 1 + FABRICS.index(name)]
-    return np.exp(np.interp(np.arange(harmonics.L_MAX + 1), _MEASURED[:, 0], np.log(b)))
 
 
 @dataclass(frozen=True)
@@ -319,11 +281,11 @@ def _compute_alone(environment: Environment, lobes: int | str, target: float, b:
 
 
 def _cache_path(environment: Environment, lobes: int | str, target: float, b: np.ndarray) -> Path:
-    key = hashlib.blake2b(digest_size=16)
+    key = hashlib.sha256()
     key.update(repr((VERSION, environment.radiance.shape, lobes, target if lobes == "auto" else None)).encode())
     key.update(np.asarray(b, "<f8").tobytes())
     key.update(memoryview(environment.radiance).cast("B"))
-    return cache_dir() / "fits" / f"{key.hexdigest()}.npz"
+    return cache_dir() / "fits" / f"{key.hexdigest()[:32]}.npz"
 
 
 def _load_cached(path: Path, lobes: int | str) -> Lights | None:

@@ -31,8 +31,11 @@ def split_suns(radiance: np.ndarray, limit: int = LIMIT) -> tuple[Suns, np.ndarr
     whole = float(weight @ Y.sum(axis=1, dtype=np.float64))
     disc_angle = 2 * np.pi * (1 - np.cos(RADIUS))
     rest, directions, irradiances = radiance, [], []
+    # Rows remember their brightest texel, so that only rows that change are looked at again.
+    brightest = Y.max(axis=1)
     for _ in range(_TRIES):
-        row, column = divmod(int(np.argmax(Y)), width)
+        row = int(np.argmax(brightest))
+        column = int(np.argmax(Y[row]))
         # Even a disc as bright as this texel would be too weak, so no other can be enough.
         if len(directions) >= limit or Y[row, column] * disc_angle < SHARE * whole:
             break
@@ -57,6 +60,8 @@ def split_suns(radiance: np.ndarray, limit: int = LIMIT) -> tuple[Suns, np.ndarr
         seen = Y[index]
         seen[disc | ring] = 0.0
         Y[index] = seen
+        rows = index[0][:, 0]
+        brightest[rows] = Y[rows[0] : rows[-1] + 1].max(axis=1)
     return Suns(np.reshape(directions, (-1, 3)), np.reshape(irradiances, (-1, 3))), rest
 
 

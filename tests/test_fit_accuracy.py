@@ -7,40 +7,21 @@ full resolution. No shading code of the fit is shared with it but the kernel, gl
 import numpy as np
 import pytest
 from direct_cases import LUMINANCE, arrays
-from scipy.spatial.transform import Rotation
+from measure_bands import HEIGHT, kernel, power_of, random_frames
 
 from glcloth import equirect, harmonics
+from glcloth.bands import band_weights
 from glcloth.environment import BUILT_IN_NAMES, load_environment
 from glcloth.fabric import load_fabric
-from glcloth.fit import band_weights, fit_lights, predicted_error
-from glcloth.reference.cloth import f_cloth
+from glcloth.fit import fit_lights, predicted_error
 from glcloth.suns import split_suns
 
 FRAMES = 100
 LOBES = 10
-HEIGHT = 256
 # fabric: greatest median relative error of luminance over all maps, frames and views
 MEDIANS = {"linen": 0.008, "silk_crepe_de_chine": 0.015, "satin_charmeuse_front": 0.035}
 
 pytestmark = pytest.mark.slow
-
-
-def random_frames(count, seed=20):
-    """surface_from_world [count, 3, 3], uniform, and views omega_o [count, 3] in the surface frame, cosine 0.1 to 1."""
-    rng = np.random.default_rng(seed)
-    rotation = Rotation.from_quat(rng.normal(size=(count, 4))).as_matrix()
-    cos, phi = rng.uniform(0.1, 1, count), rng.uniform(0, 2 * np.pi, count)
-    sin = np.sqrt(1 - cos * cos)
-    return rotation, np.stack([sin * np.cos(phi), sin * np.sin(phi), cos], -1)
-
-
-def kernel(cloth, surface_from_world, omega_o, directions):
-    """f_cloth [N, 3] for world directions [N, 3]."""
-    omega_i = directions @ surface_from_world.T
-    result = np.zeros((len(directions), 3))
-    up = omega_i[:, 2] > 0
-    result[up] = f_cloth(omega_i[up], omega_o[None], *cloth)
-    return result
 
 
 class Case:
@@ -82,7 +63,7 @@ def test_cloth_under_the_fit_looks_as_under_the_map(cases, fabric):
     flux = np.stack([f for case in cases for f in (case.map_flux, case.fit_flux)], -1) * LUMINANCE[:, None]
     L = np.zeros((FRAMES, len(cases), 2))
     power = np.zeros(harmonics.L_MAX + 1)
-    for frame, (rotation, omega_o) in enumerate(zip(*random_frames(FRAMES), strict=True)):
+    for frame, (rotation, omega_o) in enumerate(zip(*random_frames(FRAMES, seed=20), strict=True)):
         K = kernel(cloth, rotation, omega_o, directions)
         L[frame] = np.einsum("dc,dcm->m", K, flux, optimize=True).reshape(-1, 2)
         for m, case in enumerate(cases):
@@ -91,8 +72,7 @@ def test_cloth_under_the_fit_looks_as_under_the_map(cases, fabric):
                 0
             ) @ LUMINANCE
             L[frame, m, 1] += (kernel(cloth, rotation, omega_o, suns.direction) * suns.irradiance).sum(0) @ LUMINANCE
-        coefficients = harmonics.transform(K.reshape(HEIGHT, 2 * HEIGHT, 3)) @ LUMINANCE
-        power += harmonics.power(coefficients) / (2 * np.arange(len(power)) + 1)
+        power += power_of(K)
     reference, fitted = L[..., 0], L[..., 1]
     error = np.abs(fitted / reference - 1)
     rms = np.sqrt(np.square(fitted - reference).mean(0)) / reference.mean(0)
