@@ -18,7 +18,7 @@ from .environment import Environment, load_environment, rotation_y
 from .errors import InputError
 from .fabric import Fabric, load_fabric
 from .lights import Lights, SphericalGaussians, as_lights
-from .mesh import Mesh, load_mesh
+from .mesh import BUILTIN_MESHES, Mesh, load_mesh, load_view
 from .progress import track
 from .raster import GBuffer, MeshBuffers
 from .scene import Scene, load_scene
@@ -66,7 +66,9 @@ def default_camera(mesh: Mesh, scene: Scene) -> Camera:
 
 
 def mesh_camera(mesh: Mesh, aspect: float) -> Camera:
-    """The camera that shows a mesh well: its own for the built-in cloth, else one that frames its bounds."""
+    """The camera that shows a mesh well: a chosen one for the built-in meshes, else one that frames its bounds."""
+    if mesh.name in BUILTIN_MESHES and (view := load_view(mesh.name)):
+        return Camera(**view)
     return Camera.framing(mesh.center, mesh.radius, aspect=aspect)
 
 

@@ -7,11 +7,15 @@ def _unit(v):
     return v / np.linalg.norm(v, axis=-1, keepdims=True)
 
 
-def facing_normal(N, omega_o):
-    """The smooth normal, bent until the cosine to omega_o is about 0.02.   [own]"""
+def facing_normal(N, omega_o, least):
+    """The smooth normal, bent until the cosine to omega_o is `least`.   [own]"""
     N, omega_o = np.asarray(N, float), np.asarray(omega_o, float)
     cos_no = np.sum(N * omega_o, -1, keepdims=True)
-    return np.where(cos_no >= 0.02, N, _unit(N + (0.02 - cos_no) * omega_o))
+    across = N - cos_no * omega_o
+    length = np.linalg.norm(across, axis=-1, keepdims=True)
+    least = np.asarray(least, float)[..., None]
+    bent = across / np.maximum(length, 1e-12) * np.sqrt(1 - least**2) + least * omega_o
+    return np.where(cos_no >= least, N, np.where(length < 1e-6, omega_o, bent))
 
 
 def orthogonal_part(v, N):

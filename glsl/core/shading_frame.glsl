@@ -1,11 +1,15 @@
 // Frames of shading.   Twin: glcloth/reference/shading_frame.py
 
-// [own]  The smooth normal, bent just enough that omega_o is not below it. At silhouettes interpolated normals turn
-// away from the viewer; no pixel that is seen may have its viewer below the horizon, or it would be black.
-vec3 facing_normal(vec3 N, vec3 omega_o) {
-    const float least = 0.02;  // the cosine of 88.9 degrees
+// [own]  The smooth normal, bent just enough that its cosine to omega_o is `least`. At silhouettes interpolated normals
+// turn away from the viewer; a pixel that is seen cannot have its viewer below the horizon, or it would be black.
+vec3 facing_normal(vec3 N, vec3 omega_o, float least) {
     float cos_no = dot(N, omega_o);
-    return cos_no >= least ? N : normalize(N + (least - cos_no) * omega_o);
+    if (cos_no >= least) return N;
+    // The part of N across omega_o keeps its direction; where N is opposite to omega_o there is none, and omega_o serves.
+    vec3 across = N - cos_no * omega_o;
+    float length_2 = dot(across, across);
+    if (length_2 < 1e-12) return omega_o;
+    return across * sqrt((1.0 - least * least) / length_2) + least * omega_o;
 }
 
 // [own]  The unit part of v that is perpendicular to the unit vector N; any perpendicular where v is along N or zero.

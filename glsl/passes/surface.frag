@@ -12,7 +12,11 @@ layout(location = 1) out vec4 frame_x;  // x, and the side of the sheet that is 
 void main() {
     vec3 omega_o = normalize(eye - position);
     float side = gl_FrontFacing ? 1.0 : -1.0;
-    vec3 N = facing_normal(normalize(normal) * side, omega_o);
+    // The triangle's own cosine is the least that is true. Where even that is below 0.1 the smooth normal may stop at it;
+    // a fold's rim beyond 0.1 is thinner than a pixel for any fold of less than 200 pixels' radius.
+    vec3 flat_normal = normalize(cross(dFdx(position), dFdy(position)));
+    float least = clamp(abs(dot(flat_normal, omega_o)), 0.02, 0.1);
+    vec3 N = facing_normal(normalize(normal) * side, omega_o, least);
     // Seen from behind, x stays and y stays: (x, y, -N) has the other handedness.
     frame_N = vec4(N, handedness * side);
     frame_x = vec4(orthogonal_part(tangent, N), side);
