@@ -335,6 +335,23 @@ def test_fit_picture_shows_map_fit_and_difference():
     assert change.max() < 0.1 * map_part.mean(), "a smooth map with its sun apart is fitted closely"
 
 
+def test_interrupt_stops_the_fit_and_leaves_no_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path))
+    steps = []
+
+    def interrupted(items, what, total=None):
+        for item in items:
+            steps.append(what)
+            if len(steps) == 12:
+                raise KeyboardInterrupt
+            yield item
+
+    monkeypatch.setattr(fit, "track", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        fit_lights(environment_of(KNOWN, 64), 8)
+    assert steps[0] == "fitting 8 lobes to known" and not list(tmp_path.rglob("*"))
+
+
 def test_damaged_maps_still_fit():
     """A map of one lit texel, of extreme values, of tiny size."""
     one = np.zeros((32, 64, 3))
