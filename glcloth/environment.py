@@ -35,7 +35,7 @@ BUILT_IN_NAMES = tuple(BUILT_IN)
 LARGEST = 1e8
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)  # compared by identity: arrays have no single truth value
 class Environment:
     """An equirectangular map of incident radiance.
 
