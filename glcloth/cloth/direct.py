@@ -1,0 +1,257 @@
+"""Method `direct`: quadrature per pixel at shared nodes; fabric, lights and sharpness are all live.   [own, docs/direct.md]"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import moderngl
+import numpy as np
+
+from .. import shader
+from ..fabric import Fabric
+from ..gpu import TextureBuffer
+from ..lights import Lights
+from ..reference.node import column_width
+from . import schedule as plan
+from .gaussian_nodes import SUN, gaussian_table, node_count, warm
+from .lobe_nodes import ends, lobe_table
+from .settings import Settings
+
+NODE_UNIT, ENTRY_UNIT, LOBE_UNIT, LIGHT_UNIT = 8, 9, 10, 11
+ENTRY_TEXELS = 5
+MAX_PHI_PAIRS = 8
+MAP_SIZE = 160  # of the octahedral map of pooled light: sharpness 30 needs a texel of a degree
+GROUP_COUNTS = (1, 2, 8)  # vec4s of tangents that programs are compiled for: 4, 8 or 32 tangents
+
+
+class Direct:
+    """The quadrature of glsl/passes/method_direct.glsl, and what it needs from the host.
+
+    Everything that a user edits goes into buffers and uniforms. Only the number of groups of four tangents is compiled
+    in; `variants` lists its three values, so that a window can compile them all before anything is edited.
+    """
+
+    source = "passes/method_direct.glsl"
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self._node_data = TextureBuffer(ctx, 1 << 18)
+        self._entry_data = TextureBuffer(ctx, 16 * ENTRY_TEXELS * 64)
+        self._lobe_data = TextureBuffer(ctx, 1 << 16)
+        self._pool_data = TextureBuffer(ctx, 32 * 64)
+        self._map = ctx.texture((MAP_SIZE, MAP_SIZE), 4, np.zeros((MAP_SIZE, MAP_SIZE, 4), "f4").tobytes(), dtype="f4")
+        self._map.filter = moderngl.LINEAR, moderngl.LINEAR
+        self._map.repeat_x = self._map.repeat_y = False
+        self._map_program = None
+        self._keys: dict[str, object] = {}
+        self._uniforms: dict[str, np.ndarray] = {}
+        self._groups = 1
+        self._evaluations = 0
+        self._warm: set[str] = set()
+
+    # -- what changed ----------------------------------------------------------------------------------------------
+
+    def prepare(self, fabric: Fabric, lights: Lights, settings: Settings) -> None:
+        """Compute and upload what differs from the last call."""
+        schedule = plan.SCHEDULES[settings.quality]
+        self._warm_up(settings.quality)
+        key = (fabric, lights, settings.quality)
+        last = self._keys.get("all")
+        # Fabrics and lights are frozen: the same object is the same content.
+        if last is not None and last[0] is fabric and last[1] is lights and last[2] == settings.quality:
+            return
+        self._keys["all"] = key
+        lobes = plan.pooled_lobes(fabric)
+        sharpness = lights.gaussians.sharpness
+        pooled = plan.pooled_share(sharpness, lobes)
+        nodes = self._write_entries(lights, schedule, lobes, pooled, fabric)
+        pool = self._write_lobes(fabric, schedule, lobes, pooled)
+        self._write_map(lights, pooled)
+        self._set_fabric(fabric)
+        self._evaluations = nodes * len(fabric.tangents) + pool
+
+    def _warm_up(self, quality: str) -> None:
+        """Compute the rules of a quality for all sharpnesses, once: no later edit computes one."""
+        if quality in self._warm:
+            return
+        schedule = plan.SCHEDULES[quality]
+        edges = [1e-2, *sorted(schedule.sharper), 1e6]
+        top = len(schedule.sharper)
+        for i in range(top + 1):  # between edges i and i + 1 lies level top - i, whatever factor 0.3..4 a fabric has
+            level = min(top - i + schedule.shift, len(plan.LADDER) - 1)
+            warm(level, max(edges[i] * 0.25, 1e-2), min(edges[i + 1] * 4.5, 1e6))
+        warm(0, SUN, SUN)
+        self._warm.add(quality)
+
+    def _write_entries(self, lights: Lights, schedule, lobes, pooled, fabric) -> int:
+        """Upload the rules and the Gaussians that use them; returns the number of nodes."""
+        gaussians = lights.gaussians
+        axis, amplitude, sharp, share, level = [], [], [], [], []
+        for k in range(len(gaussians)):
+            if not gaussians.amplitude[k].any():
+                continue
+            for one, part in plan.levels(schedule, gaussians.sharpness[k], pooled[k], lobes):
+                axis.append(gaussians.axis[k])
+                amplitude.append(gaussians.amplitude[k] * part)
+                sharp.append(max(float(gaussians.sharpness[k]), 1e-2))
+                share.append(pooled[k])
+                level.append(one)
+        for direction, irradiance in zip(lights.suns.direction, lights.suns.irradiance, strict=True):
+            axis.append(direction)
+            amplitude.append(irradiance * SUN / (2.0 * np.pi))
+            sharp.append(SUN)
+            share.append(0.0)
+            level.append(0)
+        if not axis:
+            axis, amplitude, sharp, share, level = [(0.0, 0.0, 1.0)], [(0.0, 0.0, 0.0)], [1.0], [0.0], [0]
+        key = tuple(zip(sharp, level, strict=True))
+        if self._keys.get("nodes") != key:
+            self._keys["nodes"] = key
+            first, tables, starts = 0, [], {}
+            for pair in dict.fromkeys(key):
+                table = gaussian_table(*pair)
+                starts[pair] = first
+                first += len(table)
+                tables.append(table)
+            self._starts = starts
+            self._node_data.write(np.concatenate(tables))
+        records = np.zeros((len(axis), ENTRY_TEXELS, 4), "f4")
+        records[:, 0, :3], records[:, 1, :3] = axis, amplitude
+        starts = [self._starts[pair] << 8 | node_count(pair[1]) for pair in key]
+        records[:, 0, 3] = np.array(starts, "i4").view("f4")
+        records[:, 1, 3] = column_width(sharp)
+        sharp, share, level = np.array(sharp), np.array(share), np.array(level)
+        gammas = np.array([lobes[0].gamma_s, lobes[1].gamma_s, lobes[0].gamma_v, lobes[1].gamma_v])
+        own = np.array([lobes[0].share_s, lobes[1].share_s, lobes[0].share_v, lobes[1].share_v])
+        k_d = np.array([0.0, 0.0, fabric.yarn[0].k_d, fabric.yarn[1].k_d])
+        for one in np.unique(level):
+            mine = level == one
+            kept = np.stack([plan.kept_share(int(one), sharp[mine], gamma) for gamma in gammas], -1)
+            variance = 1.0 / (sharp[mine] + plan.CUT_SHARPNESS)
+            # Of theta_i + theta_o = 2 theta_h; the little Gaussian of a node widens the lobe.
+            width2 = 4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None]
+            records[mine, 2], records[mine, 3] = kept, 1.0 / width2
+            left = (1.0 - share[mine, None] * own) * (1.0 - k_d)
+            records[mine, 4] = left * 2.0 / np.sqrt(np.pi * width2)
+        self._entry_data.write(records)
+        self._uniforms["entry_count"] = np.array([len(axis)], "i4")
+        return int(sum(node_count(int(one)) for one in level))
+
+    def _write_lobes(self, fabric: Fabric, schedule, lobes, pooled) -> int:
+        """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them."""
+        tangents = [
+            (tangent, weight)
+            for tangent, weight in zip(fabric.tangents, fabric.weights[:, 0], strict=True)
+            if max(lobes[tangent.yarn].share_s, lobes[tangent.yarn].share_v) > 0.0 and pooled.max(initial=0.0) > 0.0
+        ]
+        count, pairs = (schedule.theta_count, schedule.phi_pairs) if tangents else (1, 1)
+        key = (
+            tuple((*tangent, weight) for tangent, weight in tangents),
+            lobes,
+            count,
+            fabric.yarn[0].k_d,
+            fabric.yarn[1].k_d,
+        )
+        if self._keys.get("lobes") != key:
+            self._keys["lobes"] = key
+            data = np.zeros((max(len(tangents), 1), 2 + count * 64, 4), "f4")
+            for yarn in (0, 1):
+                mine = [i for i, (tangent, _) in enumerate(tangents) if tangent.yarn == yarn]
+                if not mine:
+                    continue
+                tilts = np.array([tangents[i][0].tilt for i in mine])
+                table = lobe_table(tilts, lobes[yarn], count)
+                table[..., 2] *= 1.0 - fabric.yarn[yarn].k_d
+                for i, tilt, rows in zip(mine, tilts, table, strict=True):
+                    data[i, 0] = np.cos(tilt), np.sin(tilt), tangents[i][1], yarn
+                    data[i, 1, :3] = *ends(tilt), lobes[yarn].width
+                    data[i, 2:] = rows.reshape(-1, 4)
+            if not tangents:
+                data[0, 0], data[0, 1, :3] = (1.0, 0.0, 0.0, 0.0), (-np.pi / 2, np.pi / 2, 1.0)
+            self._lobe_data.write(data)
+        x, w = np.polynomial.legendre.leggauss(2 * pairs)
+        rule = np.zeros((MAX_PHI_PAIRS, 2), "f4")
+        rule[:pairs] = np.stack([x[pairs:], w[pairs:]], -1)
+        self._uniforms["phi_rule"] = rule
+        self._uniforms["pool_counts"] = np.array([max(len(tangents), 1), count, pairs], "i4")
+        return len(tangents) * count * pairs * 2
+
+    def _write_map(self, lights: Lights, pooled: np.ndarray) -> None:
+        """Draw the radiance of the pooled Gaussians into its map."""
+        mine = pooled > 0.0
+        gaussians = lights.gaussians
+        records = np.zeros((int(mine.sum()), 2, 4), "f4")
+        records[:, 0, :3], records[:, 0, 3] = gaussians.axis[mine], gaussians.sharpness[mine]
+        records[:, 1, :3] = gaussians.amplitude[mine] * pooled[mine, None]
+        key = records.tobytes()
+        if self._keys.get("map") == key or not len(records):
+            return
+        self._keys["map"] = key
+        if self._map_program is None:
+            self._map_program = shader.compute(self.ctx, "passes/pooled_light.comp")
+        self._pool_data.write(records)
+        self._pool_data.bind(ENTRY_UNIT)
+        self._map.bind_to_image(0, read=False, write=True)
+        self._map_program["gaussian_count"].value = len(records)
+        groups = -(-MAP_SIZE // 8)
+        self._map_program.run(groups, groups)
+        self.ctx.memory_barrier(moderngl.TEXTURE_FETCH_BARRIER_BIT)
+
+    def _set_fabric(self, fabric: Fabric) -> None:
+        tangents = fabric.tangents
+        self._groups = next(g for g in GROUP_COUNTS if 4 * g >= len(tangents))
+        slots = np.zeros((5, 4 * self._groups), "f4")
+        tilt = np.array([t.tilt for t in tangents])
+        slots[0], slots[1] = 1.0, 0.0
+        count = len(tangents)
+        slots[0, :count], slots[1, :count] = np.cos(tilt), np.sin(tilt)
+        slots[2, :count], slots[3, :count] = fabric.weights.T
+        slots[4, :count] = [t.yarn for t in tangents]
+        slots = slots.reshape(5, self._groups, 4)
+        names = ("slot_cos_tilt", "slot_sin_tilt", "slot_weight", "slot_share", "slot_yarn")
+        eta = np.array([y.eta for y in fabric.yarn])
+        self._uniforms |= {
+            **dict(zip(names, slots, strict=True)),
+            "inv_sigma2": np.array([fabric.sigma**-2], "f4"),
+            "gap": np.array([fabric.gap], "f4"),
+            "yarn_F_0": (((1 - eta) / (1 + eta)) ** 2).astype("f4"),
+            "yarn_k_d": np.array([y.k_d for y in fabric.yarn], "f4"),
+            "yarn_A": np.array([y.albedo for y in fabric.yarn], "f4"),
+        }
+
+    # -- the contract of a method ----------------------------------------------------------------------------------
+
+    def defines(self) -> dict:
+        """The number of groups of four tangents (see `variants`)."""
+        return _defines(self._groups)
+
+    @staticmethod
+    def variants() -> list[dict]:
+        """All values that `defines` can take."""
+        return [_defines(groups) for groups in GROUP_COUNTS]
+
+    def bind(self, program) -> None:
+        """Bind the buffers and set the uniforms of a program."""
+        self._node_data.bind(NODE_UNIT)
+        self._entry_data.bind(ENTRY_UNIT)
+        self._lobe_data.bind(LOBE_UNIT)
+        self._map.use(LIGHT_UNIT)
+        for name, value in self._uniforms.items():
+            if name in program:
+                uniform = program[name]
+                # An array of which the driver kept fewer elements takes only those.
+                value = value[: uniform.array_length] if uniform.array_length > 1 else value
+                uniform.write(np.ascontiguousarray(value).tobytes()[: 4 * uniform.dimension * uniform.array_length])
+
+    def passes(self) -> Iterator[dict]:
+        """One pass does it all."""
+        yield {}
+
+    def evaluations_per_pixel(self) -> int:
+        """Evaluations of one tangent at one node in each pixel."""
+        return self._evaluations
+
+
+def _defines(groups: int) -> dict:
+    calls = "; ".join(f"F({g})" for g in range(groups))
+    return {"GROUPS": groups, "EACH_GROUP(F)": calls + ";"}

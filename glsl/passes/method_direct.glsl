@@ -1,0 +1,253 @@
+// Method `direct`: quadrature at nodes that are shared by all tangents and all lobes; no tables of the fabric.   [own]
+//   L_o = sum_k L_k sum_n w_n sum_t R_t(omega_n) cos(theta_i) (f_rs + A_j f_rv),   R_t = w_t M_t P_t / Q
+// Defines: GROUPS, vec4s that hold the tangents; EACH_GROUP(F), F(0); F(1); ... F(GROUPS - 1); See docs/direct.md.
+#include "core/math.glsl"
+#include "direct/node.glsl"
+#include "direct/pool.glsl"
+#include "direct/slots.glsl"
+#include "trace/octahedron.glsl"
+
+const int NODE_COLUMNS = 64;   // glcloth/cloth/gaussian_nodes.py says the same
+const int LOBE_COLUMNS = 64;   // glcloth/cloth/lobe_nodes.py says the same
+const int ENTRY_TEXELS = 5;
+const int MAX_PHI_PAIRS = 8;
+
+layout(binding = 8) uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean
+layout(binding = 9) uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule
+layout(binding = 10) uniform samplerBuffer lobe_data;  // per pooled tangent: two texels, then rows of LOBE_COLUMNS
+layout(binding = 11) uniform sampler2D pooled_light;   // radiance of the pooled Gaussians, world, octahedral
+uniform int entry_count;                // at least 1
+uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta, their pairs in phi; at least 1 each
+uniform vec2 phi_rule[MAX_PHI_PAIRS];   // nodes > 0 and weights of a Gauss-Legendre rule on -1..1
+uniform float inv_sigma2;               // of shadowing and masking
+uniform float gap;                      // 1 - a_1 - a_2 in W's normaliser
+uniform vec2 yarn_F_0;
+uniform vec2 yarn_k_d;
+uniform vec3 yarn_A[2];
+// Four tangents each; unused ones weigh nothing.
+uniform vec4 slot_cos_tilt[GROUPS];
+uniform vec4 slot_sin_tilt[GROUPS];
+uniform vec4 slot_weight[GROUPS];
+uniform vec4 slot_share[GROUPS];
+uniform vec4 slot_yarn[GROUPS];  // 0 or 1
+
+// What omega_o fixes. On llvmpipe arrays with constant indices are registers.
+vec2 sin_psi_o, cos_psi_o;  // of the two yarns, for tilt 0
+vec4 sin_theta_o[GROUPS], cos_theta_o[GROUPS], theta_o[GROUPS];
+vec4 cos_phi_o[GROUPS], sin_phi_o[GROUPS], cos_psi_t[GROUPS];
+vec4 P[GROUPS], surface[GROUPS], volume[GROUPS];
+
+vec4 of_yarn(int g, vec2 yarns) {
+    return mix(vec4(yarns.x), vec4(yarns.y), slot_yarn[g]);
+}
+
+void see_group(int g, vec3 omega_o) {
+    vec4 along = of_yarn(g, omega_o.xy), across = of_yarn(g, vec2(omega_o.y, -omega_o.x));
+    vec4 t = along * slot_cos_tilt[g] - omega_o.z * slot_sin_tilt[g];
+    vec4 n = along * slot_sin_tilt[g] + omega_o.z * slot_cos_tilt[g];
+    vec4 c2 = max(1.0 - t * t, 1e-7);
+    vec4 inv = inversesqrt(c2);
+    sin_theta_o[g] = t;
+    cos_theta_o[g] = c2 * inv;
+    theta_o[g] = asin(clamp(t, -1.0, 1.0));
+    cos_phi_o[g] = n * inv;
+    sin_phi_o[g] = across * inv;
+    cos_psi_t[g] = max(of_yarn(g, cos_psi_o) * slot_cos_tilt[g] + of_yarn(g, sin_psi_o) * slot_sin_tilt[g], 0.0);
+}
+
+// What depends on one direction omega_i and the yarn only.
+vec2 sin_psi_i, cos_psi_i, g_psi;
+
+void look_along(vec3 omega_i) {
+    vec2 inv = inversesqrt(omega_i.xy * omega_i.xy + omega_i.z * omega_i.z + 1e-20);
+    sin_psi_i = omega_i.xy * inv;
+    cos_psi_i = omega_i.z * inv;
+    g_psi = g_of_cos(vec4(cos_psi_i * cos_psi_o + sin_psi_i * sin_psi_o, 0.0, 0.0), inv_sigma2).xy;
+}
+
+float Q;
+
+void add_P(int g) {
+    vec4 c = max(of_yarn(g, cos_psi_i) * slot_cos_tilt[g] + of_yarn(g, sin_psi_i) * slot_sin_tilt[g], 0.0);
+    P[g] = D_masks(of_yarn(g, g_psi), c, cos_psi_t[g]);
+    Q += dot(slot_share[g], P[g]);
+}
+
+// -- Gaussians at their own nodes ---------------------------------------------------------------------------------------
+
+// Of one entry: how much of its distance from the mean a node keeps, q^2 and the amplitude of the widened lobes;
+// components (surface of yarn 0, surface of yarn 1, volume of yarn 0, volume of yarn 1).
+vec4 entry_kept, entry_q2, entry_amplitude;
+vec4 from_mean_s[GROUPS], from_mean_v[GROUPS];
+
+void aim_group(int g, vec3 mean) {
+    vec4 t = of_yarn(g, mean.xy) * slot_cos_tilt[g] - mean.z * slot_sin_tilt[g];
+    vec4 theta_mean = asin(clamp(t, -1.0, 1.0));
+    from_mean_s[g] = theta_o[g] + (1.0 - of_yarn(g, entry_kept.xy)) * theta_mean;
+    from_mean_v[g] = theta_o[g] + (1.0 - of_yarn(g, entry_kept.zw)) * theta_mean;
+    surface[g] = volume[g] = vec4(0.0);
+}
+
+void light_group(int g, vec3 omega_i, float weight) {
+    vec4 along = of_yarn(g, omega_i.xy), across = of_yarn(g, vec2(omega_i.y, -omega_i.x));
+    vec4 t = along * slot_cos_tilt[g] - omega_i.z * slot_sin_tilt[g];
+    vec4 n = along * slot_sin_tilt[g] + omega_i.z * slot_cos_tilt[g];
+    vec4 c2 = max(1.0 - t * t, 1e-7);
+    vec4 inv = inversesqrt(c2);
+    vec4 cos_theta_i = c2 * inv;
+    vec4 cos_phi_i = max(n * inv, 0.0);
+    vec4 cos_phi_d = cos_phi_i * cos_phi_o[g] + across * inv * sin_phi_o[g];
+    vec4 M = D_masks(g_of_cos(cos_phi_d, inv_sigma2), cos_phi_i, max(cos_phi_o[g], 0.0));
+    vec4 cos_sum = cos_theta_i + cos_theta_o[g], sin_sum = t + sin_theta_o[g];
+    vec4 cos2_theta_d_4 = max(cos_sum * cos_sum + sin_sum * sin_sum, 4e-7);
+    vec4 cos2_half_phi_d_2 = max(1.0 + cos_phi_d, 0.0);
+    vec4 F_r = F_slots(of_yarn(g, yarn_F_0), cos2_theta_d_4, cos2_half_phi_d_2);
+    // 1 / (cos^2(theta_d) (cos theta_i + cos theta_o)); the surface term takes the sum out again.
+    vec4 common_factor = weight * slot_weight[g] * P[g] * M * cos_theta_i * 4.0 / (cos2_theta_d_4 * cos_sum);
+    vec4 theta_i = asin(clamp(t, -1.0, 1.0));
+    vec4 x_s = from_mean_s[g] + of_yarn(g, entry_kept.xy) * theta_i;
+    vec4 x_v = from_mean_v[g] + of_yarn(g, entry_kept.zw) * theta_i;
+    vec4 g_s = of_yarn(g, entry_amplitude.xy) * exp(-x_s * x_s * of_yarn(g, entry_q2.xy));
+    vec4 g_v = of_yarn(g, entry_amplitude.zw) * exp(-x_v * x_v * of_yarn(g, entry_q2.zw));
+    surface[g] += common_factor * cos_sum * F_r * sqrt(0.5 * cos2_half_phi_d_2) * g_s;
+    volume[g] += common_factor * (1.0 - F_r) * (1.0 - F_r) * (g_v + of_yarn(g, yarn_k_d));
+}
+
+vec3 sums;  // surface, volume of yarn 0, volume of yarn 1
+
+void sum_group(int g) {
+    float both = dot(volume[g], vec4(1.0)), second = dot(volume[g], slot_yarn[g]);
+    sums += vec3(dot(surface[g], vec4(1.0)), both - second, second);
+}
+
+vec4 fetch_node(int row, int column, float between) {
+    int at = row * NODE_COLUMNS + column;
+    return mix(texelFetch(node_data, at), texelFetch(node_data, at + 1), between);
+}
+
+vec3 L_shared(float cos_o, mat3 surface_from_world) {
+    vec3 L = vec3(0.0);
+    int k = 0;
+    // A do loop: llvmpipe runs the body of a while loop once more than it is wanted.
+    do {
+        int at = k * ENTRY_TEXELS;
+        vec4 head = texelFetch(entry_data, at);       // xi in world space; first row of its rule
+        vec4 light = texelFetch(entry_data, at + 1);  // radiance of the axis; width of its columns
+        vec4 extra = texelFetch(entry_data, at + 2);
+        entry_kept = extra;
+        entry_q2 = texelFetch(entry_data, at + 3);
+        entry_amplitude = texelFetch(entry_data, at + 4);
+        int rows = floatBitsToInt(head.w);
+        int node = rows >> 8, last = node + (rows & 255);
+        vec3 xi = surface_from_world * head.xyz;
+        vec2 e = azimuth(xi);
+        float place = column_of(atan(length(xi.xy), xi.z), light.w) * float(NODE_COLUMNS - 1);
+        int column = min(int(place), NODE_COLUMNS - 2);
+        float between = place - float(column);
+        vec4 mean = fetch_node(last, column, between);
+        vec3 omega_mean = direction_from_node(mean.xyz, xi, e);
+#define AIM(g) aim_group(g, omega_mean)
+        EACH_GROUP(AIM)
+        do {
+            vec4 rule = fetch_node(node, column, between);
+            vec3 omega_i = direction_from_node(rule.xyz, xi, e);
+            omega_i.z = max(omega_i.z, 0.0);
+            look_along(omega_i);
+            Q = gap * cos_o + 1e-20;
+            EACH_GROUP(add_P)
+            float weight = rule.w / Q;
+#define LIGHT(g) light_group(g, omega_i, weight)
+            EACH_GROUP(LIGHT)
+        } while (++node < last);
+        sums = vec3(0.0);
+        EACH_GROUP(sum_group)
+        L += light.rgb * exp(mean.w) * (sums.x + yarn_A[0] * sums.y + yarn_A[1] * sums.z);
+    } while (++k < entry_count);
+    return L;
+}
+
+// -- broad Gaussians together, at the nodes of narrow lobes -------------------------------------------------------------
+
+vec3 pooled_radiance(vec3 omega) {
+    vec2 p = 0.5 + 0.5 * octahedral(omega);
+    float size = float(textureSize(pooled_light, 0).x);
+    // Texel centres on the rim of the square: there it is folded, and both sides hold the same value.
+    return textureLod(pooled_light, (p * (size - 1.0) + 0.5) / size, 0.0).rgb;
+}
+
+vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
+    vec3 L = vec3(0.0);
+    int stride = 2 + pool_counts.y * LOBE_COLUMNS;
+    int p = 0;
+    do {
+        vec4 head = texelFetch(lobe_data, p * stride);      // cos and sin of the tilt, weight, yarn
+        vec4 domain = texelFetch(lobe_data, p * stride + 1);  // low, high, width
+        bool first_yarn = head.w == 0.0;
+        float ca = head.x, sa = head.y;
+        vec2 o = first_yarn ? omega_o.xy : vec2(omega_o.y, -omega_o.x);  // along, across
+        float t_o = o.x * ca - omega_o.z * sa, n_o = o.x * sa + omega_o.z * ca;
+        float c2_o = max(1.0 - t_o * t_o, 1e-7), inv_o = inversesqrt(c2_o), c_o = c2_o * inv_o;
+        vec2 phi_o = vec2(n_o, o.y) * inv_o;  // cos, sin
+        float psi_o = max(n_o * inversesqrt(o.x * o.x + omega_o.z * omega_o.z + 1e-20), 0.0);
+        float F_0 = first_yarn ? yarn_F_0.x : yarn_F_0.y;
+        float mu = -asin(clamp(t_o, -1.0, 1.0));
+        float place = column_of_lobe(mu, domain.x, domain.y, domain.z) * float(LOBE_COLUMNS - 1);
+        int column = min(int(place), LOBE_COLUMNS - 2);
+        float between = place - float(column);
+        vec3 sum_s = vec3(0.0), sum_v = vec3(0.0);
+        int row = 0;
+        do {
+            int at = p * stride + 2 + row * LOBE_COLUMNS + column;
+            vec4 lobe = mix(texelFetch(lobe_data, at), texelFetch(lobe_data, at + 1), between);
+            float theta = mu + lobe.x;
+            float t = sin(theta), c = max(cos(theta), 3e-4);
+            float limit = sin_limit(t, c, ca, sa);
+            float cos_sum = c + c_o, sin_sum = t + t_o;
+            float cos2_theta_d_4 = max(cos_sum * cos_sum + sin_sum * sin_sum, 4e-7);
+            // cos(theta_i) of the integrand and of the solid angle, 1 / cos^2(theta_d)
+            float front = head.z * c * c * 4.0 / cos2_theta_d_4;
+            float front_v = front / cos_sum;
+            int pair = 0;
+            do {
+                vec2 rule = phi_rule[pair];
+                float s = limit * rule.x, cp = sqrt(max(1.0 - s * s, 1e-12));
+                // along, across, z of the two directions at phi and -phi
+                float along = t * ca + c * cp * sa, z = max(c * cp * ca - t * sa, 0.0), side = c * s;
+                vec3 omega_1 = first_yarn ? vec3(along, side, z) : vec3(-side, along, z);
+                vec3 omega_2 = first_yarn ? vec3(along, -side, z) : vec3(side, along, z);
+                float psi = max((along * sa + z * ca) * inversesqrt(along * along + z * z + 1e-20), 0.0);
+                look_along(omega_1);
+                float g_own = first_yarn ? g_psi.x : g_psi.y;
+                Q = gap * omega_o.z + 1e-20;
+                EACH_GROUP(add_P)
+                float Q_1 = Q;
+                look_along(omega_2);
+                Q = gap * omega_o.z + 1e-20;
+                EACH_GROUP(add_P)
+                vec4 cos_phi_d = vec4(cp * phi_o.x + s * phi_o.y, cp * phi_o.x - s * phi_o.y, 0.0, 0.0);
+                vec4 M = D_masks(g_of_cos(cos_phi_d, inv_sigma2), vec4(cp), vec4(max(phi_o.x, 0.0)));
+                vec4 half_phi = max(1.0 + cos_phi_d, 0.0);
+                vec4 F_r = F_slots(vec4(F_0), vec4(cos2_theta_d_4), half_phi);
+                float P_t = mix(psi * psi_o, min(psi, psi_o), g_own);
+                vec2 R = rule.y / cp * P_t * M.xy / vec2(Q_1, Q);
+                vec2 r_s = front * lobe.y * R * F_r.xy * sqrt(0.5 * half_phi.xy);
+                vec2 r_v = front_v * lobe.z * R * (1.0 - F_r.xy) * (1.0 - F_r.xy);
+                vec3 E_1 = pooled_radiance(omega_1 * surface_from_world);
+                vec3 E_2 = pooled_radiance(omega_2 * surface_from_world);
+                sum_s += E_1 * r_s.x + E_2 * r_s.y;
+                sum_v += E_1 * r_v.x + E_2 * r_v.y;
+            } while (++pair < pool_counts.z);
+        } while (++row < pool_counts.y);
+        L += sum_s + (first_yarn ? yarn_A[0] : yarn_A[1]) * sum_v;
+    } while (++p < pool_counts.x);
+    return L;
+}
+
+vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
+    vec2 inv = inversesqrt(omega_o.xy * omega_o.xy + omega_o.z * omega_o.z);
+    sin_psi_o = omega_o.xy * inv;
+    cos_psi_o = omega_o.z * inv;
+#define SEE(g) see_group(g, omega_o)
+    EACH_GROUP(SEE)
+    return L_shared(omega_o.z, surface_from_world) + L_pooled(omega_o, surface_from_world);
+}
