@@ -17,6 +17,7 @@ _FORMATS = {
     "r32ui": (GL.GL_R32UI, 4),
     "r32i": (GL.GL_R32I, 4),
 }
+SCRATCH_UNIT = 47  # OpenGL 4.3 has at least 48 units
 
 
 class TextureBuffer:
@@ -43,10 +44,12 @@ class TextureBuffer:
         self._attach()
 
     def _attach(self) -> None:
-        GL.glActiveTexture(GL.GL_TEXTURE0)
+        # On a unit that no shader uses, so that a buffer which grows between binding and drawing unbinds nothing.
+        GL.glActiveTexture(GL.GL_TEXTURE0 + SCRATCH_UNIT)
         GL.glBindTexture(GL.GL_TEXTURE_BUFFER, self._texture)
         GL.glTexBuffer(GL.GL_TEXTURE_BUFFER, self._format, self.buffer.glo)
         GL.glBindTexture(GL.GL_TEXTURE_BUFFER, 0)
+        GL.glActiveTexture(GL.GL_TEXTURE0)
 
     @property
     def size(self) -> int:

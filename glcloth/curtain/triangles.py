@@ -1,0 +1,117 @@
+"""The triangles of a traced scene on the GPU: a soup that NumPy fills once (the room) and a cloth fills every frame."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from .. import shader
+from ..gpu import TextureBuffer
+from ..reference.octahedron import octahedral
+
+# A ray's hit is off by a few units in the last place of the coordinates. Boxes are padded by more than that, so that a
+# triangle is also found from the cell on the other side of a plane that it touches.
+PADDING = 2.0**-18
+
+
+class Triangles:
+    """`count` triangles as `corners` (three texels each: x, y, z, packed normal) and `attributes` (one texel each:
+    material, packed x axis of each corner).
+
+    Parameters
+    ----------
+    ctx : moderngl context, current
+    count : how many triangles there are
+    scale : the largest coordinate, in metres, that any corner or camera will have; it sets the padding of boxes
+    """
+
+    def __init__(self, ctx: moderngl.Context, count: int, scale: float):
+        self.ctx = ctx
+        self.count = count
+        self.padding = float(scale) * PADDING
+        self.corners = TextureBuffer(ctx, 48 * max(count, 1), "rgba32ui")
+        self.attributes = TextureBuffer(ctx, 16 * max(count, 1), "rgba32ui")
+        self._gather = None
+
+    @classmethod
+    def of(cls, ctx: moderngl.Context, positions: np.ndarray, material: np.ndarray | int = 0) -> Triangles:
+        """The triangles of an array [T, 3, 3], flat-shaded."""
+        positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
+        scale = float(np.abs(positions).max(initial=0.0)) or 1.0
+        triangles = cls(ctx, len(positions), scale)
+        triangles.set(0, positions, material=material)
+        return triangles
+
+    def set(
+        self,
+        first: int,
+        positions: np.ndarray,
+        normals: np.ndarray | None = None,
+        tangents: np.ndarray | None = None,
+        material: np.ndarray | int = 0,
+    ) -> None:
+        """Upload triangles from number `first` on.
+
+        Parameters
+        ----------
+        positions : [T, 3, 3] metres
+        normals, tangents : [T, 3, 3] of the corners; default: the geometric normal, and the first edge
+        material : [T] int or one for all
+        """
+        positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
+        T = len(positions)
+        assert first + T <= self.count, f"{first} + {T} triangles, room for {self.count}"
+        edges = (positions[:, 1] - positions[:, 0]).astype(float), (positions[:, 2] - positions[:, 0]).astype(float)
+        if normals is None:
+            normals = np.repeat(np.cross(*edges)[:, None], 3, 1)
+        if tangents is None:
+            tangents = np.repeat(edges[0][:, None], 3, 1)
+        corners = np.empty((T, 3, 4), np.uint32)
+        corners[..., :3] = positions.view(np.uint32)
+        corners[..., 3] = pack_units(normals)
+        attributes = np.empty((T, 4), np.uint32)
+        attributes[:, 0] = material
+        attributes[:, 1:] = pack_units(tangents)
+        self.corners.write(corners, offset=48 * first)
+        self.attributes.write(attributes, offset=16 * first)
+
+    def set_grid(
+        self,
+        first: int,
+        rows: int,
+        columns: int,
+        positions: moderngl.Buffer,
+        normals: moderngl.Buffer,
+        tangents: moderngl.Buffer,
+        material: int = 0,
+    ) -> None:
+        """Copy the 2 (rows - 1) (columns - 1) triangles of a grid whose buffers hold one vec4 a vertex, row by row."""
+        quads = (rows - 1) * (columns - 1)
+        assert first + 2 * quads <= self.count, f"{first} + {2 * quads} triangles, room for {self.count}"
+        if self._gather is None:
+            self._gather = shader.compute(self.ctx, "passes/gather_grid.comp")
+        for binding, buffer in enumerate((positions, normals, tangents, self.corners.buffer, self.attributes.buffer)):
+            buffer.bind_to_storage_buffer(binding)
+        shader.set_uniforms(self._gather, rows=rows, columns=columns, first=first, material=material)
+        self._gather.run(-(-quads // 64))
+        self.ctx.memory_barrier()
+
+    def positions(self) -> np.ndarray:
+        """Read the corners back: float32 [T, 3, 3]."""
+        data = np.frombuffer(self.corners.buffer.read(48 * self.count), np.uint32).reshape(-1, 3, 4)
+        return np.ascontiguousarray(data[..., :3]).view(np.float32)
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self.corners.release()
+        self.attributes.release()
+        if self._gather is not None:
+            self._gather.release()
+
+
+def pack_units(vectors: np.ndarray) -> np.ndarray:
+    """Directions [..., 3] as uint32 [...]: the octahedral map in two signed 16-bit fractions. A zero vector becomes +z."""
+    vectors = np.asarray(vectors, float)
+    vectors = np.where(np.abs(vectors).sum(-1, keepdims=True) > 0, vectors, [0.0, 0.0, 1.0])
+    fraction = np.round(octahedral(vectors) * 32767).astype(np.int64) & 0xFFFF
+    return (fraction[..., 0] | fraction[..., 1] << 16).astype(np.uint32)

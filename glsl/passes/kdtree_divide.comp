@@ -1,0 +1,120 @@
+#version 430
+// Large nodes, second of three passes a level, one invocation a node: cut off empty space, or split in the middle; make
+// the children.   [Zhou 2008, section 3.1; Mat 4.3.2]
+//
+// A node is four texels: (low, split) (high, axis) (first child, kind, depth, first lane) (first reference, count, -, -).
+// Each node is split once a level, so several empty sides are cut off level by level. The node's last word keeps for the
+// third pass how: bit 0: all references go left, bit 1: all go right.
+// References lie in one buffer in three runs of `ref_capacity`: those of this level, of the next, and of small nodes.
+#include "trace/shared.glsl"
+#include "trace/split.glsl"
+layout(local_size_x = 64) in;
+layout(binding = 2) uniform usamplerBuffer nodes;
+layout(binding = 3) uniform usamplerBuffer active_nodes;
+layout(binding = 4) uniform usamplerBuffer lane_data;
+layout(std430, binding = 3) writeonly buffer Nodes { uvec4 node[]; };
+layout(std430, binding = 5) buffer Counters { uint counter[]; };
+layout(std430, binding = 6) writeonly buffer Active { uint next_active[]; };
+layout(std430, binding = 7) writeonly buffer Roots { uvec4 root[]; };
+uniform int active_count;
+uniform int lanes;
+uniform int level;
+uniform int small_size;      // a node of at most so many references is small
+uniform float empty_share;   // C_e: the share of the extent above which empty space is cut off
+uniform float growth_limit;  // give up splitting when the children hold more than this times the references
+uniform int node_capacity;
+uniform int ref_capacity;
+uniform int next_base;       // where the references of the next level begin
+uniform int small_base;      // where the references of small nodes begin
+
+// Room for the references of a small root, or of a large node that stays a leaf; where it begins, or NO_TRIANGLE.
+uint reserve_small(uint self, uint count, bool large_leaf) {
+    uint at = atomicAdd(counter[SMALL_REF_COUNT], count);
+    if (at + count > uint(ref_capacity)) {
+        atomicMax(counter[NEED_REFS], at + count);
+        return NO_TRIANGLE;
+    }
+    at += uint(small_base);
+    root[atomicAdd(counter[ROOT_COUNT], 1u)] = uvec4(self, at, count, large_leaf ? 1u : 0u);
+    return at;
+}
+
+// Room for the references of a large child; where it begins, or NO_TRIANGLE.
+uint reserve_next(uint self, uint count) {
+    uint at = atomicAdd(counter[NEXT_REF_COUNT], count);
+    if (at + count > uint(ref_capacity)) {
+        atomicMax(counter[NEED_REFS], at + count);
+        return NO_TRIANGLE;
+    }
+    next_active[atomicAdd(counter[ACTIVE_COUNT], 1u)] = self;
+    return at + uint(next_base);
+}
+
+void make_child(uint self, vec3 low, vec3 high, uint count) {
+    uint kind = PENDING;
+    uint at = 0u;
+    if (count == 0u) {
+        kind = EMPTY_LEAF;
+    } else if (count <= uint(small_size)) {
+        at = reserve_small(self, count, false);
+    } else {
+        at = reserve_next(self, count);
+    }
+    // A child without room stays empty; the host sees the counter and builds again.
+    if (at == NO_TRIANGLE) kind = EMPTY_LEAF;
+    node[4u * self] = uvec4(floatBitsToUint(low), 0u);
+    node[4u * self + 1u] = uvec4(floatBitsToUint(high), 0u);
+    node[4u * self + 2u] = uvec4(0u, kind, uint(level + 1), 0u);
+    node[4u * self + 3u] = uvec4(at, kind == EMPTY_LEAF ? 0u : count, 0u, 0u);
+}
+
+void main() {
+    int index = int(gl_GlobalInvocationID.x);
+    if (index >= active_count) return;
+    int self = int(texelFetch(active_nodes, index).x);
+    uvec2 range = texelFetch(nodes, 4 * self + 3).xy;
+    vec3 cell_low = uintBitsToFloat(texelFetch(nodes, 4 * self).xyz);
+    vec3 cell_high = uintBitsToFloat(texelFetch(nodes, 4 * self + 1).xyz);
+    vec3 low = vec3(3e38);
+    vec3 high = vec3(-3e38);
+    uvec2 count = uvec2(0u);
+    for (int i = index * lanes; i < (index + 1) * lanes; ++i) {
+        uvec4 l = texelFetch(lane_data, 2 * i);
+        uvec4 h = texelFetch(lane_data, 2 * i + 1);
+        low = min(low, uintBitsToFloat(l.xyz));
+        high = max(high, uintBitsToFloat(h.xyz));
+        count += uvec2(l.w, h.w);
+    }
+    vec4 plane = middle_plane(cell_low, cell_high);
+    vec4 gap = gap_plane(cell_low, cell_high, low, high, empty_share);
+    uint all_sides = 0u;
+    if (gap.xyz != vec3(0.0)) {
+        bool all_left = gap.x + gap.y + gap.z < 0.0;
+        plane = vec4(abs(gap.xyz), gap.w);
+        all_sides = all_left ? 1u : 2u;
+        count = all_left ? uvec2(range.y, 0u) : uvec2(0u, range.y);
+    }
+    bool inside = plane.w > dot(cell_low, plane.xyz) && plane.w < dot(cell_high, plane.xyz);
+    bool stop = !inside || level >= LARGE_LEVELS || float(count.x + count.y) > growth_limit * float(range.y);
+    uint children = 0u;
+    if (!stop) {
+        children = atomicAdd(counter[NODE_COUNT], 2u);
+        if (children + 2u > uint(node_capacity)) {
+            atomicMax(counter[NEED_NODES], children + 2u);
+            stop = true;
+        }
+    }
+    node[4 * self] = uvec4(floatBitsToUint(cell_low), floatBitsToUint(plane.w));
+    node[4 * self + 1] = uvec4(floatBitsToUint(cell_high), uint(dot(plane.xyz, vec3(0.0, 1.0, 2.0))));
+    node[4 * self + 2] = uvec4(children, stop ? LARGE_LEAF : INNER, uint(level), 0u);
+    if (stop) {
+        atomicMax(counter[LONGEST_LEAF_COUNT], range.y);
+        uint at = reserve_small(uint(self), range.y, true);
+        // Where the references are (x, y), and where they go (z).
+        node[4 * self + 3] = uvec4(range.x, at == NO_TRIANGLE ? 0u : range.y, at, 0u);
+    } else {
+        node[4 * self + 3] = uvec4(range, 0u, all_sides);
+        make_child(children, cell_low, mix(cell_high, vec3(plane.w), plane.xyz), count.x);
+        make_child(children + 1u, mix(cell_low, vec3(plane.w), plane.xyz), cell_high, count.y);
+    }
+}

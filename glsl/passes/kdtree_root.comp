@@ -1,0 +1,18 @@
+#version 430
+// The root's cell: the box of all references, from what the lanes of the first measurement found.
+layout(local_size_x = 8) in;
+layout(binding = 4) uniform usamplerBuffer lane_data;
+layout(std430, binding = 3) writeonly buffer Nodes { uvec4 node[]; };
+uniform int lanes;
+
+void main() {
+    if (gl_GlobalInvocationID.x != 0u) return;
+    vec3 low = vec3(3e38);
+    vec3 high = vec3(-3e38);
+    for (int i = 0; i < lanes; ++i) {
+        low = min(low, uintBitsToFloat(texelFetch(lane_data, 2 * i).xyz));
+        high = max(high, uintBitsToFloat(texelFetch(lane_data, 2 * i + 1).xyz));
+    }
+    node[0] = uvec4(floatBitsToUint(low), 0u);
+    node[1] = uvec4(floatBitsToUint(high), 0u);
+}

@@ -1,0 +1,14 @@
+// What a traversal looks for: whether anything is hit at all.
+#include "trace/shared.glsl"
+
+struct Visit {
+    float t;          // nothing beyond matters: t_max, or 0 after a hit
+    uint triangle;
+    vec2 weights;
+};
+
+float reach(Visit visit) { return visit.t; }
+
+void meet(inout Visit visit, Ray ray, uint triangle, vec4 hit) {
+    if (hit.x > ray.t_min && hit.x < visit.t) visit = Visit(0.0, triangle, hit.yz);
+}

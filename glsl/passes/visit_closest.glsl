@@ -1,0 +1,17 @@
+// What a traversal looks for: the nearest hit. Of hits at the same t the triangle of the lowest number counts, so that
+// every structure finds the same one.
+#include "trace/shared.glsl"
+
+struct Visit {
+    float t;
+    uint triangle;
+    vec2 weights;  // barycentric coordinates of the second and third corner
+};
+
+float reach(Visit visit) { return visit.t; }
+
+void meet(inout Visit visit, Ray ray, uint triangle, vec4 hit) {
+    if (hit.x > ray.t_min && (hit.x < visit.t || hit.x == visit.t && triangle < visit.triangle)) {
+        visit = Visit(hit.x, triangle, hit.yz);
+    }
+}

@@ -1,0 +1,26 @@
+// What the passes of the ray tracer and glcloth/curtain share; read by glcloth/layout.py.
+
+// Counters of a build, one uint each.
+const int NODE_COUNT = 0;        // nodes made so far
+const int ROOT_COUNT = 1;        // small roots
+const int SMALL_REF_COUNT = 2;   // references in small roots
+const int ACTIVE_COUNT = 3;      // nodes of the next level
+const int NEXT_REF_COUNT = 4;    // references of the next level
+const int NEED_NODES = 5;        // set when a buffer was too small
+const int NEED_REFS = 6;
+const int LEAF_REF_COUNT = 7;    // references in leaves
+const int LONGEST_LEAF_COUNT = 8;  // triangles of the longest leaf that could not be split
+const int COUNTERS = 16;
+
+// Kinds of a node under construction.
+const uint PENDING = 0u;
+const uint INNER = 1u;
+const uint SMALL_LEAF = 2u;      // its triangles are the bits of a mask over its small root's
+const uint EMPTY_LEAF = 3u;
+const uint LARGE_LEAF = 4u;      // its triangles are a range of references: it could not be split
+
+const uint NO_TRIANGLE = 0xffffffffu;
+const int STACK = 48;            // the deepest a tree may be: LARGE_LEVELS + SMALL_LEVELS
+const int LARGE_LEVELS = 28;
+const int SMALL_LEVELS = 20;
+const int MASK_BITS = 64;        // the largest small node   [Zhou 2008, section 3.1]

@@ -1,0 +1,65 @@
+"""Domains of glsl/trace."""
+
+import numpy as np
+
+from . import between, choice, directions, directions_and_axes, vectors
+
+
+def low_corner(rng, count):
+    """Low corners of boxes inside [-2, 2]^3; a fifth flat against a face of the cell."""
+    v = -rng.uniform(0.1, 1.9, (count, 3))
+    return np.where(rng.random((count, 3)) < 0.2, -2.0, v)
+
+
+def plane(rng, count):
+    """Axis-aligned planes, often through the middle."""
+    return np.c_[np.eye(3)[rng.integers(0, 3, count)], rng.uniform(-1, 1, count)]
+
+
+def near(rng, count):
+    """Corners of triangles about a metre in front of a ray."""
+    v = rng.normal(scale=0.5, size=(count, 3))
+    v[:, 2] += 2.0
+    return v
+
+
+DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}
+SPECIAL = {
+    ("safe_inverse", "d"): directions_and_axes,
+    ("slab", "o"): vectors(3.0),
+    ("slab", "inv_d"): lambda rng, count: 1 / np.where(np.abs(d := directions(rng, count)) < 1e-3, 1e-3, d),
+    ("slab", "low"): lambda rng, count: -rng.random((count, 3)) - 0.1,
+    ("slab", "high"): lambda rng, count: rng.random((count, 3)) + 0.1,
+    ("longest_axis", "d"): directions_and_axes,
+    ("axis_last", "v"): vectors(1.0),
+    ("shear_of", "d"): lambda rng, count: np.sort(np.abs(directions(rng, count)), axis=1),
+    ("edge_function", "p"): lambda rng, count: rng.normal(size=(count, 2)),
+    ("edge_function", "q"): lambda rng, count: rng.normal(size=(count, 2)),
+    ("hit_triangle", "a"): near,
+    ("hit_triangle", "b"): near,
+    ("hit_triangle", "c"): near,
+    ("hit_triangle", "shear"): lambda rng, count: np.c_[rng.uniform(-0.5, 0.5, (count, 2)), rng.uniform(0.6, 1, count)],
+    ("octahedral", "n"): directions_and_axes,
+    ("from_octahedral", "p"): lambda rng, count: rng.uniform(-1, 1, (count, 2)),
+    ("middle_plane", "low"): low_corner,
+    ("middle_plane", "high"): lambda rng, count: rng.uniform(0, 2, (count, 3)),
+    ("gap_plane", "cell_low"): lambda rng, count: np.full((count, 3), -2.0),
+    ("gap_plane", "cell_high"): lambda rng, count: np.full((count, 3), 2.0),
+    ("gap_plane", "low"): low_corner,
+    ("gap_plane", "high"): lambda rng, count: rng.uniform(0, 2, (count, 3)),
+    ("gap_plane", "share"): between(0.1, 0.5),
+    ("sides", "low"): low_corner,
+    ("sides", "high"): lambda rng, count: rng.uniform(-0.1, 2, (count, 3)),
+    ("sides", "plane"): plane,
+    ("clipped_box", "plane"): between(-1.0, 1.0, 0.0),
+    ("clipped_box", "n"): lambda rng, count: np.eye(3)[rng.integers(0, 3, count)],
+    ("clipped_box", "side"): choice(-1.0, 1.0),
+}
+TOLERANCE = {
+    # 1 / d is up to 1e3, and low - o cancels to 1e-7.
+    "slab": (3e-5, 3e-4),
+    # t, v and w are divided by the determinant, which is small for triangles seen edge-on.
+    "hit_triangle": (2e-3, 2e-3),
+    # mix(a, b, f) where the two distances nearly cancel.
+    "clipped_box": (3e-5, 1e-5),
+}
