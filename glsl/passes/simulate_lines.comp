@@ -13,7 +13,7 @@ uniform int line_stride;
 uniform int stride;
 uniform int backward;       // 1 = begin at the far end
 uniform float rest;         // m
-uniform float stretch_h2;   // compliance / h^2, 1/kg
+uniform float stretch_h2;   // compliance / h^2, 1/kg, of a line inside the cloth
 uniform float bend_h2;
 
 // Edge from vertex a to b: unit direction and length; a collapsed edge keeps some direction, so that it can open again.
@@ -28,6 +28,8 @@ void main() {
     if (line >= lines) {
         return;
     }
+    // The first and the last line stand for half the width, hence half the stiffness.
+    float give = line == 0 || line == lines - 1 ? 2.0 : 1.0;
     int first = line * line_stride + backward * (count - 1) * stride;
     int hop = backward == 1 ? -stride : stride;
     vec4 z = vec4(0.0);       // vertex k - 3, already bent
@@ -39,14 +41,14 @@ void main() {
     for (int k = 2; k < count + 2; k++) {
         vec4 c = x[first + min(k, count - 1) * hop];
         if (k < count) {
-            vec3 lambda = lambda_bend(a.xyz, b.xyz, c.xyz, a.w, b.w, c.w, bend_h2);
+            vec3 lambda = lambda_bend(a.xyz, b.xyz, c.xyz, a.w, b.w, c.w, give * bend_h2);
             a.xyz += a.w * lambda;
             b.xyz -= 2.0 * b.w * lambda;
             c.xyz += c.w * lambda;
         }
         if (k > 2) {
             vec4 e = edge(z.xyz, a.xyz);
-            done = eliminate(z.w + a.w + stretch_h2, -z.w * dot(n, e.xyz), e.w - rest, done);
+            done = eliminate(z.w + a.w + give * stretch_h2, -z.w * dot(n, e.xyz), e.w - rest, done);
             eliminated[first + (k - 2) * hop] = done;
             n = e.xyz;
         }
