@@ -20,7 +20,7 @@ def D_GGX(h, roughness):
 
 
 def G_cavity(cos_nh, cos_nl, cos_nv, cos_lh, cos_vh):
-    """min(1, 2 cos_nh cos_nv / cos_vh, 2 cos_nh cos_nl / cos_lh).   [Mat 3, erratum E5]"""
+    """min(1, 2 cos_nh cos_nv / cos_vh, 2 cos_nh cos_nl / cos_lh).   [Mat 3, errata E5, E10]"""
     a = 2 * cos_nh * cos_nv / np.maximum(cos_vh, 1e-12)
     b = 2 * cos_nh * cos_nl / np.maximum(cos_lh, 1e-12)
     return np.minimum(1.0, np.minimum(a, b))
@@ -65,7 +65,7 @@ def h_t(omega_i, omega_o, eta_1, eta_2):
 
 
 def f_GGX_of(omega_i, omega_o, eta_1, eta_2, F, G, D):
-    """Equation 2 with the three factors given.   [Mat 2, erratum E4; Walter 2007, Eq. 21]"""
+    """Equation 2 with the three factors given.   [Mat 2, errata E5, E9; Walter 2007, Eq. 21]"""
     h = h_t(omega_i, omega_o, eta_1, eta_2)
     cos_lh, cos_vh = _dot(omega_i, h[..., :3]), _dot(omega_o, h[..., :3])
     cos_nl, cos_nv = np.asarray(omega_i)[..., 2], np.asarray(omega_o)[..., 2]
@@ -76,7 +76,7 @@ def f_GGX_of(omega_i, omega_o, eta_1, eta_2, F, G, D):
 
 
 def f_GGX(omega_i, omega_o, roughness, eta_1, eta_2):
-    """The BTDF of a rough interface, 1/sr.   [Mat 2, errata E3-E5; Walter 2007, Eq. 21]"""
+    """The BTDF of a rough interface, 1/sr.   [Mat 2, errata E3, E5, E9; Walter 2007, Eq. 21]"""
     h = h_t(omega_i, omega_o, eta_1, eta_2)[..., :3]
     F = F_interface(_dot(omega_i, h), eta_1, eta_2)
     G = G_1_smith(omega_i, roughness) * G_1_smith(omega_o, roughness)

@@ -1,6 +1,6 @@
 #version 430
 // One level of small nodes, one invocation a node: the candidate of least SAH cost, or a leaf.
-// [Zhou 2008, section 3.2; Mat 6, errata: A is the area of the node that is split, C_ls is C_ts]
+// [Zhou 2008, section 3.2; Mat 6, erratum E11]
 //   cost = C_ts + (N_left A_left + N_right A_right) / A; a leaf costs its number of triangles.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;

@@ -5,7 +5,7 @@ vec3 safe_inverse(vec3 d) {
     return 1.0 / mix(d, vec3(1e-20), lessThan(abs(d), vec3(1e-20)));
 }
 
-// [Kay, Kajiya 1986]  Where a ray enters and leaves a box, (t_0, t_1); it misses when t_0 > t_1.
+// [Kay 1986, with Kajiya]  Where a ray enters and leaves a box, (t_0, t_1); it misses when t_0 > t_1.
 vec2 slab(vec3 o, vec3 inv_d, vec3 low, vec3 high) {
     vec3 a = (low - o) * inv_d;
     vec3 b = (high - o) * inv_d;

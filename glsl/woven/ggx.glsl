@@ -15,7 +15,7 @@ float D_GGX(vec3 h, float roughness) {
     return r2 / (PI * q * q);
 }
 
-// [Mat 3, erratum E5]  G = min(1, 2 cos_nh cos_nv / cos_vh, 2 cos_nh cos_nl / cos_lh): V-shaped cavities, all cosines >= 0
+// [Mat 3, errata E5, E10]  G = min(1, 2 cos_nh cos_nv / cos_vh, 2 cos_nh cos_nl / cos_lh): V-shaped cavities, all cosines >= 0
 float G_cavity(float cos_nh, float cos_nl, float cos_nv, float cos_lh, float cos_vh) {
     return min(1.0, 2.0 * cos_nh * min(cos_nv / max(cos_vh, 1e-12), cos_nl / max(cos_lh, 1e-12)));
 }
@@ -52,7 +52,7 @@ vec4 h_t(vec3 omega_i, vec3 omega_o, float eta_1, float eta_2) {
     return cos_lh > 0.0 && cos_vh < 0.0 ? vec4(h, size) : vec4(0.0);
 }
 
-// [Mat 2, erratum E4; Walter 2007, Eq. 21]  The BTDF of a rough interface:
+// [Mat 2, errata E5, E9; Walter 2007, Eq. 21]  The BTDF of a rough interface:
 //   f_GGX = cos_lh cos_vh / (cos_nl cos_nv) eta_2^2 (1 - F) G D / (eta_1 cos_lh + eta_2 cos_vh)^2
 // with signed cosines in the denominator, which then is |h_t|^2, and magnitudes elsewhere. G is Smith's, because with the
 // cavities of equation 3 the lobe gains energy at grazing light. Unit 1/sr; 0 unless the two are on opposite sides.
