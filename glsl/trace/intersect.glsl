@@ -14,7 +14,7 @@ vec2 slab(vec3 o, vec3 inv_d, vec3 low, vec3 high) {
     return vec2(max(max(enter.x, enter.y), enter.z), min(min(leave.x, leave.y), leave.z));
 }
 
-// [Woop, Benthin, Wald 2013, "Watertight ray/triangle intersection"]  The axis along which a direction is longest.
+// [Woop et al. 2013, "Watertight ray/triangle intersection"]  The axis along which a direction is longest.
 int longest_axis(vec3 d) {
     vec3 a = abs(d);
     return a.z >= max(a.x, a.y) ? 2 : a.x >= a.y ? 0 : 1;
@@ -57,7 +57,7 @@ vec4 hit_triangle(vec3 a, vec3 b, vec3 c, vec3 shear) {
     return vec4((U * a.z + V * b.z + W * c.z) * shear.z * inverse, V * inverse, W * inverse, 0.5 * determinant);
 }
 
-// [Zhou, Hou, Wang, Guo 2008, section 3.1]  The box of the part of a triangle on one side of the plane dot(p, n) = plane
+// [Zhou et al. 2008, section 3.1]  The box of the part of a triangle on one side of the plane dot(p, n) = plane
 // (side = 1: below it, -1: above). Columns: low, high, (1 if there is such a part, 0, 0).
 mat3 clipped_box(vec3 a, vec3 b, vec3 c, vec3 n, float plane, float side) {
     vec3 distance = side * (vec3(plane) - vec3(dot(a, n), dot(b, n), dot(c, n)));
