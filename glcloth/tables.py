@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import zipfile
+from collections.abc import Sequence
 from dataclasses import asdict
+from json import dumps
+from math import prod
 from pathlib import Path
 
 import numpy as np
 
 from .errors import InputError
-from .fabric import Fabric, load_fabric
+from .fabric import Fabric, builtin_fabrics, load_fabric
 from .files import atomic_write, cache_dir
 from .precompute import (
     LEVELS,
     Shape,
     Tables,
+    azimuth_axes,
     azimuth_table,
     compute_tables,
     shapes_of,
@@ -62,7 +65,7 @@ def tables_for(fabric: Fabric | str, grid: int = 48, contribution: float = 0.9) 
 def cache_path(shapes: tuple[Shape, ...], grid: int, contribution: float) -> Path:
     """Where the tables of these shapes are kept: the name is a digest of all that they depend on."""
     content = [FORMAT, grid, round(contribution, 9), [asdict(shape) for shape in shapes]]
-    digest = hashlib.sha256(json.dumps(content).encode()).hexdigest()[:32]
+    digest = hashlib.sha256(dumps(content).encode()).hexdigest()[:32]
     return cache_dir() / "tables" / f"{digest}.npz"
 
 
@@ -158,34 +161,89 @@ def azimuth_texels() -> np.ndarray:
 def report(fabric: Fabric | str, tables: Tables) -> dict:
     """What the tables of a fabric cost and hold, as plain values for JSON.
 
-    seconds to make (0 if cached), bytes on the GPU (T, and T_l beside it), the sharpness of the levels, and for each
-    tangent its yarn, tilt in degrees and ranks per level.
+    seconds to make (0 if they came from the cache), bytes on the GPU (T's, and T_l's beside it), the sharpness of the
+    levels, and for each tangent its yarn, tilt in degrees and ranks per level.
     """
     fabric = load_fabric(fabric)
     texel = 16 if texel_type(tables) == "f4" else 8
-    ranks = tables.ranks
     return {
         "fabric": fabric.name,
         "seconds": round(tables.seconds, 3),
         "bytes": int(2 * texel * slice_index(tables)[-1, -1] * tables.grid**2),
-        "azimuth_bytes": int(azimuth_texels().nbytes),
+        "azimuth_bytes": 3 * 16 * prod(len(axis) for axis in azimuth_axes()),
         "grid": tables.grid,
         "contribution": tables.contribution,
-        "distinct_tables": len(ranks),
+        "distinct_tables": len(tables.ranks),
         "sharpness": [round(float(s), 4) for s in sharpness_levels()],
         "tangents": [
-            {"yarn": t.yarn + 1, "tilt_deg": round(float(np.degrees(t.tilt)), 6), "ranks": ranks[p.shape].tolist()}
+            {
+                "yarn": t.yarn + 1,
+                "tilt_deg": round(float(np.degrees(t.tilt)), 6),
+                "ranks": tables.ranks[p.shape].tolist(),
+            }
             for t, p in zip(fabric.tangents, tables.placements, strict=True)
         ],
     }
 
 
-def bench_tables(fabrics: list[str], grid: int = 48, contribution: float = 0.9) -> dict:
-    """{fabric: {seconds, bytes, ranks}} of tables computed afresh; ranks: {"yarn 1 -25": [per level], ...}."""
-    out = {}
-    for name in fabrics:
+def lines_of(facts: dict) -> list[str]:
+    """A report as lines of text: one for the fabric, one for each tangent."""
+    made = f"{facts['seconds']:.1f} s" if facts["seconds"] else "from the cache"
+    size = f"{facts['bytes'] / 1e6:.1f} MB and {facts['azimuth_bytes'] / 1e6:.1f} MB for T_l"
+    out = [f"{facts['fabric']}: {made}, {size}, {facts['distinct_tables']} distinct tables"]
+    out.append("  ranks at sharpness   " + " ".join(f"{s:5.3g}" for s in facts["sharpness"]))
+    for t in facts["tangents"]:
+        name = f"yarn {t['yarn']}, {t['tilt_deg']:.4g} degrees"
+        out.append(f"  {name:<20} " + " ".join(f"{r:5d}" for r in t["ranks"]))
+    return out
+
+
+def main(
+    fabrics: Sequence[str],
+    grid: int = 48,
+    contribution: float = 0.9,
+    output: str | Path | None = None,
+    json: bool = False,
+) -> None:
+    """Make the tables of some fabrics, print what they cost and hold, and with `output` copy them to that folder.
+
+    Raises InputError for an unknown fabric, parameters out of range or a folder that cannot be written.
+    """
+    if not fabrics:
+        raise InputError(f"no fabric given, expected one or more of {', '.join(builtin_fabrics())}, or .toml files")
+    check_parameters(grid, contribution)
+    loaded = [load_fabric(name) for name in fabrics]
+    folder = None if output is None else Path(output)
+    if folder is not None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{folder}: cannot be made as a folder ({error.strerror}); choose another -o") from None
+    results = {}
+    for name, fabric in zip(fabrics, loaded, strict=True):
+        tables = tables_for(fabric, grid, contribution)
+        results[str(name)] = report(fabric, tables)
+        if folder is not None:
+            path = folder / f"{Path(name).stem}.npz"
+            save_tables(path, tables)
+            results[str(name)]["file"] = str(path)
+        if not json:
+            print("\n".join(lines_of(results[str(name)])), flush=True)
+    if json:
+        print(dumps(results))
+
+
+def bench(fabrics: Sequence[str] = (), grid: int = 48, contribution: float = 0.9) -> tuple[dict, str]:
+    """({fabric: {seconds, bytes, ranks}}, the same as text) of tables made afresh; no names: all built-in fabrics.
+
+    ranks: {"yarn 1, -25 degrees": [rank per level], ...}. Raises InputError as `main` does.
+    """
+    check_parameters(grid, contribution)
+    out, lines = {}, []
+    for name in fabrics or builtin_fabrics():
         fabric = load_fabric(name)
         facts = report(fabric, compute_tables(fabric, grid, contribution))
-        ranks = {f"yarn {t['yarn']} {t['tilt_deg']:g}": t["ranks"] for t in facts["tangents"]}
+        ranks = {f"yarn {t['yarn']}, {t['tilt_deg']:.4g} degrees": t["ranks"] for t in facts["tangents"]}
         out[str(name)] = {"seconds": facts["seconds"], "bytes": facts["bytes"], "ranks": ranks}
-    return out
+        lines += lines_of(facts)
+    return out, "\n".join(lines)
