@@ -6,25 +6,12 @@ import numpy as np
 
 from ..errors import InputError
 from ..fabric import Fabric
+from ..fabric_buffer import FABRIC_UNIT, fabric_records
 from ..gpu import TextureBuffer
 from ..layout import constant, struct
 from ..lights import Lights
 
-FABRIC_UNIT, LIGHT_UNIT = 0, 1
-
-
-def fabric_records(fabric: Fabric) -> bytes:
-    """Two Yarns, then the Tangents in the order of `fabric.tangents` (those of yarn 0 first)."""
-    yarns = np.zeros(2, struct("Yarn"))
-    for record, yarn in zip(yarns, fabric.yarn, strict=True):
-        record["A"] = yarn.albedo
-        record["eta"], record["k_d"], record["a"] = yarn.eta, yarn.k_d, yarn.area
-        record["gamma_s"], record["gamma_v"] = np.radians([yarn.gamma_s_deg, yarn.gamma_v_deg])
-    tangents = np.zeros(len(fabric.tangents), struct("Tangent"))
-    tilt = np.array([t.tilt for t in fabric.tangents])
-    tangents["cos_tilt"], tangents["sin_tilt"] = np.cos(tilt), np.sin(tilt)
-    tangents["weight"], tangents["share"] = fabric.weights.T
-    return yarns.tobytes() + tangents.tobytes()
+LIGHT_UNIT = 1
 
 
 def light_records(lights: Lights) -> bytes:
