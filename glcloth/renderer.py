@@ -11,36 +11,22 @@ import numpy as np
 from . import shader
 from .camera import Camera
 from .cloth.brute import Reference
+from .cloth.direct import Direct
+from .cloth.paper import Paper
 from .cloth.scene_buffers import SceneBuffers
 from .cloth.settings import MethodName, Quality, Settings
 from .context import create_context
 from .environment import Environment, load_environment, rotation_y
 from .errors import InputError
 from .fabric import Fabric, load_fabric
+from .fit import fit_lights
 from .lights import Lights, SphericalGaussians, as_lights
 from .mesh import BUILTIN_MESHES, Mesh, load_mesh, load_view
 from .progress import track
 from .raster import GBuffer, MeshBuffers
 from .scene import Scene, load_scene
 
-METHODS = {"reference": Reference}
-# TEMPORARY until every part has landed
-try:
-    from .cloth.direct import Direct
-
-    METHODS["direct"] = Direct
-except ImportError:
-    pass
-try:
-    from .cloth.paper import Paper
-
-    METHODS["paper"] = Paper
-except ImportError:
-    pass
-try:
-    from .fit import fit_lights
-except ImportError:
-    fit_lights = None
+METHODS = {"direct": Direct, "paper": Paper, "reference": Reference}
 BACKGROUND_UNIT = 5
 
 
