@@ -47,14 +47,15 @@ def drape(ctx: moderngl.Context, vertices: int = 128, samples: int = 150, second
     falling = ClothParameters(
         spacing=(spacing, spacing),
         mass=0.15,
+        stretch=1e4,
         bending=2e-5,
-        friction=0.6,
+        friction=0.5,
         damping=1.5,
         gap=1.05 * spacing,
-        substeps=16,
+        substeps=20,
         speed_limit=2.0,
     )
-    settling = dataclasses.replace(falling, damping=15.0)
+    settling = dataclasses.replace(falling, damping=15.0, friction=0.4)
     cloth = Cloth(ctx, falling, flat, SOLIDS)
     try:
         frames = max(1, round(seconds * FRAMES_PER_SECOND))

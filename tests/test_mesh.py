@@ -367,6 +367,7 @@ def test_drape_is_cloth_in_metres():
     along = (d.min(axis=1) < 1e-6) & (d.max(axis=1) > 0)
     length = np.linalg.norm(np.diff(mesh.positions[edges[along]], axis=1)[:, 0], axis=1)
     strain = length / d[along].max(axis=1) - 1
-    # Where it is crushed in a fold a chord is shorter than the cloth; stretched it must hardly be.
-    assert np.percentile(strain, 99.9) < 0.02 and strain.max() < 0.05 and np.percentile(np.abs(strain), 95) < 0.02
+    # In a tight fold a chord, and the spline, are shorter than the cloth; longer they must hardly be.
+    assert np.percentile(strain, 99.9) < 0.01 and strain.max() < 0.05
+    assert np.median(np.abs(strain)) < 0.003 and np.percentile(np.abs(strain), 95) < 0.06
     assert (mesh.tangents[:, 3] == 1).all() and len(mesh.positions) == 150 * 150
