@@ -369,5 +369,5 @@ def test_drape_is_cloth_in_metres():
     strain = length / d[along].max(axis=1) - 1
     # In a tight fold a chord, and the spline, are shorter than the cloth; longer they must hardly be.
     assert np.percentile(strain, 99.9) < 0.01 and strain.max() < 0.05
-    assert np.median(np.abs(strain)) < 0.003 and np.percentile(np.abs(strain), 95) < 0.06
+    assert np.median(np.abs(strain)) < 0.005 and np.percentile(np.abs(strain), 95) < 0.06
     assert (mesh.tangents[:, 3] == 1).all() and len(mesh.positions) == 150 * 150
