@@ -5,10 +5,10 @@ import numpy as np
 from .erf import erf
 
 
-def twice_integrated(u):
-    """exp(-u^2) integrated twice, element by element."""
+def twice_integrated(u, gaussian):
+    """exp(-u^2) integrated twice, element by element, given gaussian = exp(-u^2)."""
     u = np.asarray(u, float)
-    return np.sqrt(np.pi) / 2 * u * erf(u) + np.exp(-(u**2)) / 2
+    return np.sqrt(np.pi) / 2 * u * erf(u) + np.asarray(gaussian) / 2
 
 
 def segment_integrals(a, b, mu, sigma):
@@ -28,13 +28,14 @@ def piecewise(theta, h, mu, sigma):
 
 
 def hat(u, step):
-    """The integral of exp(-t^2) times the hat that is 1 at u and 0 at u - step and u + step: a_s t + b_s on two segments."""
+    """The integral of exp(-t^2) times the hat over u with feet at u - step and u + step: a_s t + b_s on two segments."""
     I_0, I_1 = segment_integrals(u - step, u, 0.0, 1.0)
     J_0, J_1 = segment_integrals(u, u + step, 0.0, 1.0)
     return (I_1 - (u - step) * I_0) / step + ((u + step) * J_0 - J_1) / step
 
 
-def hat_integral(before, here, after, u, step):
+def hat_integral(before, here, after, u, gaussian, step):
     """`hat` where the step is small, and the second difference of twice_integrated, which equals it, elsewhere."""
-    before, here, after, u, step = (np.asarray(x, float) for x in (before, here, after, u, step))
-    return np.where(step < 0.2, hat(u, step), (before - 2 * here + after) / step)
+    before, here, after, u, gaussian, step = (np.asarray(x, float) for x in (before, here, after, u, gaussian, step))
+    small = hat(u, step) * gaussian / np.exp(-(u**2))  # gaussian is exp(-u^2) wherever the shader calls this
+    return np.where(step < 0.2, small, (before - 2 * here + after) / step)

@@ -72,20 +72,26 @@ vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
 
     vec3 u = (0.5 * PI - mu) / sigma;
     vec3 w = (-0.5 * PI - mu) / sigma;
-    vec3 before_u = twice_integrated(u);
-    vec3 before_w = twice_integrated(w);
+    vec3 before_u = twice_integrated(u, exp(-u * u));
+    vec3 before_w = twice_integrated(w, exp(-w * w));
     u -= step;
     w += step;
-    vec3 here_u = twice_integrated(u);
-    vec3 here_w = twice_integrated(w);
+    vec3 g_u = exp(-u * u);
+    vec3 g_w = exp(-w * w);
+    vec3 here_u = twice_integrated(u, g_u);
+    vec3 here_w = twice_integrated(w, g_w);
     vec2 I = vec2(0.0);
     float theta = 0.5 * PI - width;
     int node = 1;
     do {
-        vec3 after_u = twice_integrated(u - step);
-        vec3 after_w = twice_integrated(w + step);
-        vec3 weight_u = scale * hat_integral(before_u, here_u, after_u, u, step);
-        vec3 weight_w = scale * hat_integral(before_w, here_w, after_w, w, step);
+        vec3 next_u = u - step;
+        vec3 next_w = w + step;
+        vec3 next_g_u = exp(-next_u * next_u);
+        vec3 next_g_w = exp(-next_w * next_w);
+        vec3 after_u = twice_integrated(next_u, next_g_u);
+        vec3 after_w = twice_integrated(next_w, next_g_w);
+        vec3 weight_u = scale * hat_integral(before_u, here_u, after_u, u, g_u, step);
+        vec3 weight_w = scale * hat_integral(before_w, here_w, after_w, w, g_w, step);
         float cos_half = cos(0.5 * theta);
         float sin_half = sin(0.5 * theta);
         float cos_theta = 2.0 * cos_half * cos_half - 1.0;
@@ -108,8 +114,10 @@ vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
         before_w = here_w;
         here_u = after_u;
         here_w = after_w;
-        u -= step;
-        w += step;
+        u = next_u;
+        w = next_w;
+        g_u = next_g_u;
+        g_w = next_g_w;
         theta -= width;
         ++node;
     } while (2 * node <= segments);
