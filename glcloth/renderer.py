@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import gc
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
 import moderngl
 import numpy as np
@@ -28,6 +30,7 @@ from .scene import Scene, load_scene
 
 METHODS = {"direct": Direct, "paper": Paper, "reference": Reference}
 BACKGROUND_UNIT = 5
+KEPT_SIZES = 3  # G-buffers that stay when the size of the picture changes
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,8 +79,10 @@ class Renderer:
         self._methods: dict[str, object] = {}
         self._programs: dict[tuple, object] = {}
         self._meshes: dict[int, MeshBuffers] = {}
-        self._fits: dict[tuple, tuple] = {}
+        self._fit: tuple | None = None  # environment, lobes, lights
+        self._files: dict = {}
         self._gbuffer: GBuffer | None = None
+        self._gbuffers: dict[tuple[int, int], GBuffer] = {}  # the one used last is the last
         self._background: tuple[Environment, moderngl.Texture] | None = None
 
     def __enter__(self) -> Renderer:
@@ -110,9 +115,9 @@ class Renderer:
         scene = load_scene(scene) if isinstance(scene, str) else scene or Scene()
         scene = scene.changed(**changes) if changes else scene
         fabric = load_fabric(scene.fabric if fabric is None else fabric)
-        mesh = mesh if isinstance(mesh, Mesh) else load_mesh(mesh or scene.mesh)
+        mesh = mesh if isinstance(mesh, Mesh) else self._loaded(load_mesh, mesh or scene.mesh)
         if not isinstance(environment, Environment):
-            environment = load_environment(environment or scene.env)
+            environment = self._loaded(load_environment, environment or scene.env)
         rotation = rotation_y(scene.env_rotate)
         if lights is None:
             lights = self._fitted(environment, scene.lobes).rotated(rotation)
@@ -129,12 +134,18 @@ class Renderer:
         camera = camera or default_camera(mesh, scene)
         return Frame(scene, fabric, mesh, environment, as_lights(lights), camera, settings)
 
+    def _loaded(self, load, name: str):
+        """What `load` makes of a name or file; the last one of each kind is kept until its file changes."""
+        path = Path(name)
+        stamp = (name, path.stat().st_mtime_ns if path.is_file() else 0)
+        if self._files.get(load, (None, None))[0] != stamp:
+            self._files[load] = stamp, load(name)
+        return self._files[load][1]
+
     def _fitted(self, environment: Environment, lobes) -> Lights:
-        key = (id(environment), lobes)
-        if key not in self._fits:
-            # The environment is kept with its fit: an id is only unique while its object lives.
-            self._fits[key] = (environment, fit_lights(environment, lobes))
-        return self._fits[key][1]
+        if self._fit is None or self._fit[0] is not environment or self._fit[1] != lobes:
+            self._fit = environment, lobes, fit_lights(environment, lobes)
+        return self._fit[2]
 
     # -- from a frame to pixels ----------------------------------------------------------------------------------
 
@@ -162,6 +173,22 @@ class Renderer:
 
     def draw(self, frame: Frame) -> None:
         """Draw a frame into the G-buffer's colour target; nothing is read back."""
+        for _ in self.steps(frame, what=f"{frame.scene.method}: passes over the picture"):
+            pass
+
+    def steps(
+        self, frame: Frame, rows: Callable[[], int] | None = None, what: str | None = None
+    ) -> Iterator[tuple[int, int]]:
+        """Draw a frame in steps, for a caller with other things to do in between; together they do what `draw` does,
+        bit for bit. Nothing else may be drawn with this renderer before the last step or the iterator's end.
+
+        Parameters
+        ----------
+        rows : called before each step: how many rows of the picture it may shade; None: all
+        what : what a progress bar says, None: no bar
+
+        Yields (passes finished, passes in all) after each step; the background follows the last one.
+        """
         scene = frame.scene
         buffer = self._target(scene.size)
         mesh = self._mesh(frame.mesh)
@@ -173,21 +200,25 @@ class Renderer:
         passes = list(method.passes())
         jobs = [(offset, uniforms) for offset in sample_offsets(scene.spp) for uniforms in passes]
         drawn = None
-        steps = track(jobs, f"{scene.method}: passes over the picture") if len(jobs) > 1 else jobs
-        for offset, uniforms in steps:
+        for done, (offset, uniforms) in enumerate(track(jobs, what) if what and len(jobs) > 1 else jobs):
             if offset != drawn:
                 buffer.draw(mesh, frame.camera, offset)
                 drawn = offset
-            self.shared.bind(program)
-            method.bind(program)
-            shader.set_uniforms(
-                program, pass_weight=1.0 / scene.spp, pass_cover=1.0 / (scene.spp * len(passes)), **uniforms
-            )
-            buffer.shade(program, add=len(jobs) > 1)
-            if len(jobs) > 1:
-                self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard between passes
+            first = 0
+            while first < scene.size[1]:
+                count = scene.size[1] if rows is None else max(1, min(rows(), scene.size[1] - first))
+                self.shared.bind(program)
+                method.bind(program)
+                shader.set_uniforms(
+                    program, pass_weight=1.0 / scene.spp, pass_cover=1.0 / (scene.spp * len(passes)), **uniforms
+                )
+                buffer.shade(program, len(jobs) > 1, None if rows is None else (first, count))
+                first += count
+                if len(jobs) > 1 or rows is not None:
+                    self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard between passes
+                yield done + (first >= scene.size[1]), len(jobs)
         if scene.background:
-            self._draw_background(buffer, frame)
+            self.draw_background(frame)
 
     def radiance(
         self,
@@ -269,14 +300,19 @@ class Renderer:
         return self._gbuffer
 
     def _target(self, size: tuple[int, int]) -> GBuffer:
+        """The G-buffer of a size; the last few sizes are kept, so that a window can change between two."""
         limit = self.ctx.info["GL_MAX_TEXTURE_SIZE"]
         if max(size) > limit:
             raise InputError(f"size {size[0]}x{size[1]}: this OpenGL draws at most {limit} pixels a side; choose less")
-        if self._gbuffer is None or self._gbuffer.size != tuple(size):
-            if self._gbuffer is not None:
-                self._gbuffer.release()
-            self._gbuffer = GBuffer(self.ctx, tuple(size))
-        return self._gbuffer
+        size = tuple(size)
+        buffer = self._gbuffers.pop(size, None)
+        if buffer is None:
+            program = next((b.program for b in self._gbuffers.values()), None)
+            while len(self._gbuffers) >= KEPT_SIZES:
+                self._gbuffers.pop(next(iter(self._gbuffers))).release()
+            buffer = GBuffer(self.ctx, size, program)
+        self._gbuffers[size] = self._gbuffer = buffer
+        return buffer
 
     def _mesh(self, mesh: Mesh) -> MeshBuffers:
         key = id(mesh)
@@ -286,7 +322,8 @@ class Renderer:
             self._meshes = {key: MeshBuffers(self.ctx, mesh)}
         return self._meshes[key]
 
-    def _draw_background(self, buffer: GBuffer, frame: Frame) -> None:
+    def draw_background(self, frame: Frame, target: moderngl.Framebuffer | None = None) -> None:
+        """Draw the environment behind the last draw, or behind a copy of it in another framebuffer of its size."""
         environment = frame.environment
         if self._background is None or self._background[0] is not environment:
             if self._background is not None:
@@ -302,7 +339,7 @@ class Renderer:
         program = self._programs[key]
         self._background[1].use(BACKGROUND_UNIT)
         program["environment_from_world"].write(rotation_y(-frame.scene.env_rotate).T.astype("f4").tobytes())
-        buffer.fill_behind(program)
+        self._gbuffer.fill_behind(program, target)
 
 
 def sample_offsets(spp: int) -> list[tuple[float, float]]:
