@@ -37,7 +37,7 @@ def arguments(path, name, parameters, count, rng):
             f"{name}: give `{kind} {parameter}` a domain in tests/domains/{path.split('/')[0]}.py"
         )
         values = np.asarray(domain(rng, count))
-        out.append(values if kind in ("int", "uint") else values.astype(np.float32).astype(np.float64))
+        out.append(values if kind[0] in "iu" else values.astype(np.float32).astype(np.float64))
     return out
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import lru_cache
 
 import numpy as np
@@ -40,8 +41,14 @@ def directional_albedo(fabric: Fabric, omega_o: np.ndarray) -> np.ndarray:
     return (f * (weight / directions[:, 2])[:, None]).sum(0)
 
 
-@lru_cache(maxsize=8)
 def _albedos(fabric: Fabric) -> tuple[np.ndarray, np.ndarray]:
+    # By its text, because a fabric that has computed arrays cannot be compared.
+    return _albedos_of(fabric.model_dump_json(exclude={"name", "transmission"}))
+
+
+@lru_cache(maxsize=8)
+def _albedos_of(text: str) -> tuple[np.ndarray, np.ndarray]:
+    fabric = Fabric(name="-", **json.loads(text))
     theta = np.radians([4.0, 25.0, 45.0, 62.0, 76.0])
     phi = np.radians([0.0, 45.0, 90.0, 160.0])
     t, p = (a.ravel() for a in np.meshgrid(theta, phi, indexing="ij"))

@@ -12,6 +12,6 @@ void traverse(Ray ray, inout Visit visit) {
         vec3 a = uintBitsToFloat(texelFetch(corners, 3 * i).xyz);
         vec3 b = uintBitsToFloat(texelFetch(corners, 3 * i + 1).xyz);
         vec3 c = uintBitsToFloat(texelFetch(corners, 3 * i + 2).xyz);
-        meet(visit, ray, uint(i), meet_triangle(ray, a, b, c));
+        meet(visit, ray, uint(i), meet_triangle(ray, a, b, c), vec2(-3e38, 3e38));
     }
 }

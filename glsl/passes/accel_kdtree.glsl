@@ -1,5 +1,6 @@
 // Traversal of the kd-tree with a stack, near child first.   [Zhou 2008, section 4; Havran 2000]
-// Needs struct Ray, struct Visit, reach() and meet() from the pass that includes it.
+// Needs struct Ray, struct Visit, reach() and meet() from the pass that includes it. meet() is told the part of the ray
+// that lies in the leaf.
 #include "trace/shared.glsl"
 #include "count.glsl"
 
@@ -52,7 +53,7 @@ void traverse(Ray ray, inout Visit visit) {
             uvec4 a = texelFetch(leaf_corners, 3 * i);
             vec3 b = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 1).xyz);
             vec3 c = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 2).xyz);
-            meet(visit, ray, a.w, meet_triangle(ray, uintBitsToFloat(a.xyz), b, c));
+            meet(visit, ray, a.w, meet_triangle(ray, uintBitsToFloat(a.xyz), b, c), vec2(t_0, t_1));
         }
         // A triangle that reaches out of its leaf may be hit beyond it: only a hit within ends the search.
         if (top == 0 || reach(visit) <= t_1) return;

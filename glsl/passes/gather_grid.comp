@@ -7,7 +7,7 @@ layout(std430, binding = 0) readonly buffer Positions { vec4 position[]; };
 layout(std430, binding = 1) readonly buffer Normals { vec4 normal[]; };
 layout(std430, binding = 2) readonly buffer Tangents { vec4 tangent[]; };
 layout(std430, binding = 3) writeonly buffer Corners { uvec4 corner[]; };
-layout(std430, binding = 4) writeonly buffer Attributes { uvec4 attribute[]; };
+layout(std430, binding = 4) writeonly buffer Attributes { uvec4 attributes[]; };
 uniform int rows;
 uniform int columns;
 uniform int first;
@@ -31,6 +31,6 @@ void main() {
     corner[3 * t + 3] = c[1];
     corner[3 * t + 4] = c[2];
     corner[3 * t + 5] = c[3];
-    attribute[t] = uvec4(material, x[0], x[2], x[1]);
-    attribute[t + 1] = uvec4(material, x[1], x[2], x[3]);
+    attributes[t] = uvec4(material, x[0], x[2], x[1]);
+    attributes[t + 1] = uvec4(material, x[1], x[2], x[3]);
 }

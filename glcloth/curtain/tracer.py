@@ -1,0 +1,419 @@
+"""The ray tracer of paper B: rays, their hits and their shadows in queues, generation by generation.   [Mat section 4.2]
+
+One generation at a time is cast, shaded and shadowed: camera rays, then the rays they cause behind and before the cloth,
+to the depth asked for. Each ray's radiance is kept, and at the end children are added to their parents, so that no sum
+depends on the order in which the GPU works. Large pictures are made in tiles.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import moderngl
+import numpy as np
+
+from .. import shader
+from ..camera import Camera
+from ..environment import Environment, rotation_y
+from ..errors import InputError
+from ..fabric import Fabric
+from ..fabric_buffer import FabricBuffer
+from ..gpu import TextureBuffer
+from ..progress import track
+from .accel import RAYS_UNIT, RayQueries, make_structure
+from .energy import mean_albedo, reflection_limit
+from .lighting import Lighting
+from .triangles import PADDING, Triangles
+
+DEEPEST = 8
+TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
+ENVIRONMENT_UNIT = 6
+
+
+@dataclass(frozen=True)
+class TraceSettings:
+    """How a picture is traced.
+
+    depth : generations of rays, 1 to 8 (the paper's level 4). spp : samples per pixel. spread : draw transmitted
+    directions from the fabric's lobes, so that what is seen through the yarns blurs (needs many samples) instead of going
+    straight on. cutoff : rays that count for less are not followed. accelerator : kdtree, lbvh or brute.
+    """
+
+    depth: int = 4
+    spp: int = 1
+    spread: bool = False
+    cutoff: float = 1e-3
+    accelerator: str = "kdtree"
+
+    def __post_init__(self):
+        if not 1 <= self.depth <= DEEPEST:
+            raise InputError(f"depth = {self.depth}, expected 1 to {DEEPEST} generations of rays")
+        if not 1 <= self.spp <= 4096:
+            raise InputError(f"spp = {self.spp}, expected 1 to 4096 samples per pixel")
+        if not 0 <= self.cutoff < 1:
+            raise InputError(f"cutoff = {self.cutoff}, expected 0 or more and less than 1")
+
+
+@dataclass
+class TraceStatistics:
+    """What the last picture took: rays and shadow rays per generation, ms of each stage per generation (`build` by the
+    structure's stages), ms in all."""
+
+    rays: list[int] = field(default_factory=list)
+    shadow_rays: list[int] = field(default_factory=list)
+    trace_ms: list[float] = field(default_factory=list)
+    shade_ms: list[float] = field(default_factory=list)
+    shadow_ms: list[float] = field(default_factory=list)
+    gather_ms: float = 0.0
+    build_ms: dict[str, float] = field(default_factory=dict)
+    total_ms: float = 0.0
+
+    def add(self, level: int, rays: int, shadow_rays: int, trace: float, shade: float, shadow: float) -> None:
+        """Add one generation of one tile."""
+        while len(self.rays) <= level:
+            for column in (self.rays, self.shadow_rays, self.trace_ms, self.shade_ms, self.shadow_ms):
+                column.append(0)
+        self.rays[level] += rays
+        self.shadow_rays[level] += shadow_rays
+        self.trace_ms[level] += trace
+        self.shade_ms[level] += shade
+        self.shadow_ms[level] += shadow
+
+
+class _Generation:
+    """The queues of one generation of rays."""
+
+    def __init__(self, ctx):
+        self.rays = TextureBuffer(ctx, 64)
+        self.weights = TextureBuffer(ctx, 64)
+        self.radiance = TextureBuffer(ctx, 64)
+        self.children = TextureBuffer(ctx, 64, "rg32ui")
+        self.front = self.back = self.capacity = 0
+
+    def reserve(self, capacity: int) -> None:
+        """Make room for so many rays."""
+        self.capacity = capacity
+        for buffer, texels in ((self.rays, 2), (self.weights, 1), (self.radiance, 1), (self.children, 1)):
+            buffer.reserve(capacity * texels * buffer.texel_bytes)
+
+    @property
+    def count(self) -> int:
+        return self.front + self.back
+
+    @property
+    def runs(self) -> dict[str, int]:
+        """Where the rays lie: `front` of them at the front, the others at the very end."""
+        return {"ray_count": self.count, "front_count": self.front, "back_first": self.capacity - self.back}
+
+    def release(self) -> None:
+        for buffer in (self.rays, self.weights, self.radiance, self.children):
+            buffer.release()
+
+
+class Tracer:
+    """Traces triangles of cloth and of a room on one OpenGL context.
+
+    `render` does everything for arrays; a moving cloth uses `set_scene`, `build` and `trace` each frame.
+    """
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self.queries = RayQueries(ctx)
+        self.statistics = TraceStatistics()
+        self._programs: dict[tuple, object] = {}
+        self._structures: dict[str, object] = {}
+        self._generations = [_Generation(ctx) for _ in range(DEEPEST + 1)]
+        self._hits = TextureBuffer(ctx, 64, "rgba32ui")
+        self._shadows = TextureBuffer(ctx, 64)
+        self._counts = ctx.buffer(reserve=16, dynamic=True)
+        self._picture = ctx.buffer(reserve=64, dynamic=True)
+        self._work = ctx.buffer(reserve=64, dynamic=True)
+        self._materials = TextureBuffer(ctx, 64)
+        self._fabric = FabricBuffer(ctx)
+        self._environment: tuple[Environment | None, moderngl.Texture | None] = (None, None)
+        self.triangles: Triangles | None = None
+
+    # -- the scene -----------------------------------------------------------------------------------------------
+
+    def set_scene(self, triangles: Triangles, materials: np.ndarray) -> None:
+        """Trace these triangles from now on.
+
+        materials : [M, 3] diffuse reflectances, linear Rec. 709; material 0 is the cloth, its reflectance is ignored
+        """
+        self.triangles = triangles
+        records = np.zeros((len(materials), 4), np.float32)
+        records[:, :3] = materials
+        records[0, 3] = 1.0
+        self._materials.write(records)
+
+    def structure(self, name: str):
+        """The acceleration structure of a name, made at first use. Raises InputError for an unknown one."""
+        if name not in self._structures:
+            self._structures[name] = make_structure(self.ctx, name)
+        return self._structures[name]
+
+    def build(self, accelerator: str = "kdtree") -> None:
+        """Build the structure of the triangles as they are now."""
+        self.structure(accelerator).build(self.triangles)
+
+    def render(
+        self,
+        positions: np.ndarray,
+        material: np.ndarray,
+        materials: np.ndarray,
+        camera: Camera,
+        size: tuple[int, int],
+        fabric: Fabric,
+        lighting: Lighting | None = None,
+        environment: Environment | None = None,
+        settings: TraceSettings | None = None,
+        normals: np.ndarray | None = None,
+        tangents: np.ndarray | None = None,
+        env_rotate: float = 0.0,
+    ) -> np.ndarray:
+        """Trace one picture of arrays.
+
+        Parameters
+        ----------
+        positions : [T, 3, 3] metres; normals, tangents : [T, 3, 3] of the corners (default: flat; the first edge)
+        material : [T] int, 0 is the cloth; materials : [M, 3] diffuse reflectances, linear Rec. 709
+        size : width, height in pixels
+        environment : seen by rays that leave the scene, turned by `env_rotate` degrees
+
+        Returns float32 [H, W, 3], linear Rec. 709, top row first. Raises InputError for wrong input.
+        """
+        settings = settings or TraceSettings()
+        positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
+        scale = float(np.abs(positions).max(initial=1e-3))
+        triangles = Triangles(self.ctx, len(positions), max(scale, float(np.abs(camera.eye).max())))
+        triangles.set(0, positions, normals, tangents, material)
+        try:
+            self.set_scene(triangles, materials)
+            self.build(settings.accelerator)
+            return self.trace(camera, size, fabric, lighting, environment, settings, env_rotate)
+        finally:
+            triangles.release()
+            self.triangles = None
+
+    # -- tracing -------------------------------------------------------------------------------------------------
+
+    def trace(
+        self,
+        camera: Camera,
+        size: tuple[int, int],
+        fabric: Fabric,
+        lighting: Lighting | None = None,
+        environment: Environment | None = None,
+        settings: TraceSettings | None = None,
+        env_rotate: float = 0.0,
+        offsets: list[tuple[float, float]] | None = None,
+    ) -> np.ndarray:
+        """Trace one picture of the scene that was set and built; parameters and result as for `render`.
+
+        offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `spp` points
+        """
+        settings, lighting = settings or TraceSettings(), lighting or Lighting()
+        if fabric.transmission is None:
+            raise InputError(
+                f"fabric {fabric.name}: has no [transmission], which the ray tracer needs; add the block, or take sheer_voile"
+            )
+        width, height = size
+        offsets = offsets or sample_offsets(settings.spp)
+        structure = self.structure(settings.accelerator)
+        self.statistics = TraceStatistics(build_ms=dict(structure.timings))
+        begin = time.perf_counter()
+        self._prepare(fabric, lighting, environment, env_rotate, camera, settings)
+        self._reserve_picture(width * height)
+        jobs = [(tile, k) for tile in _tiles(width, height) for k in range(len(offsets))]
+        for tile, k in track(jobs, "trace: samples of tiles") if len(jobs) > 1 else jobs:
+            self._trace_tile(tile, size, camera, offsets[k], k, 1.0 / len(offsets), structure, settings)
+        picture = np.frombuffer(self._picture.read(16 * width * height), np.float32).reshape(height, width, 4)
+        self.statistics.total_ms = 1000 * (time.perf_counter() - begin)
+        return picture[..., :3].copy()
+
+    def _prepare(self, fabric, lighting, environment, env_rotate, camera, settings) -> None:
+        """Upload what changed and set the uniforms that hold for the whole picture."""
+        self._fabric.prepare(fabric)
+        if environment is not self._environment[0]:
+            if self._environment[1] is not None:
+                self._environment[1].release()
+            self._environment = environment, None if environment is None else _texture(self.ctx, environment)
+        t = fabric.transmission
+        scale = self.triangles.padding / PADDING
+        far = 4.0 * (scale + float(np.abs(camera.eye).max())) * 3**0.5
+        shared = {
+            "rho": t.rho, "k_a": t.k_a, "k_t": t.k_t, "tau": t.tau, "diffuse": t.diffuse, "roughness": t.roughness,
+            "eta_1": t.eta_1, "eta_2": t.eta_2, "roughness_p": t.roughness_p,
+            "far": far, "offset": 8 * self.triangles.padding,
+        }  # fmt: skip
+        shader.set_uniforms(self._program("camera"), eye=camera.eye, far=far)
+        shade = self._program("shade")
+        shader.set_uniforms(
+            shade, **shared, cutoff=settings.cutoff, spread=settings.spread, lamp=lighting.lamp.vector,
+            intensity=lighting.lamp.intensity, ambient=lighting.ambient, background=lighting.background,
+            cloth_albedo=tuple(map(float, mean_albedo(fabric) * reflection_limit(fabric))),
+            reflection_limit=reflection_limit(fabric), has_environment=environment is not None,
+        )  # fmt: skip
+        if "environment_from_world" in shade:
+            shade["environment_from_world"].write(rotation_y(-env_rotate).T.astype("f4").tobytes())
+        shader.set_uniforms(self._program("shadow", self.structure(settings.accelerator)), **shared)
+
+    def _reserve_picture(self, pixels: int) -> None:
+        if self._picture.size < 16 * pixels:
+            self._picture.orphan(16 * pixels)
+        self._picture.write(bytes(16 * pixels))
+
+    def _trace_tile(self, tile, size, camera, offset, sample, share, structure, settings) -> None:
+        (x, y), blocks = tile
+        rays = 8 * blocks[0] * blocks[1]
+        first = self._generations[0]
+        first.reserve(rays)
+        first.front, first.back = rays, 0
+        where = {"size": size, "tile_first": (x, y), "tile_blocks": blocks}
+        camera_pass = self._program("camera")
+        shader.set_uniforms(camera_pass, jitter=offset, **where)
+        camera_pass["ray_from_pixel"].write(_centred(camera, size).T.astype("f4").tobytes())
+        first.rays.buffer.bind_to_storage_buffer(1)
+        first.weights.buffer.bind_to_storage_buffer(2)
+        self._run("camera", rays)
+
+        last = 0
+        for level in range(settings.depth):
+            if self._generations[level].count == 0:
+                break
+            last = level
+            self._trace_generation(level, sample, structure, settings)
+
+        begin = time.perf_counter()
+        for level in range(last - 1, -1, -1):
+            parent, child = self._generations[level], self._generations[level + 1]
+            if child.count == 0:
+                continue
+            child.radiance.bind(8)
+            parent.children.bind(9)
+            parent.radiance.buffer.bind_to_storage_buffer(3)
+            self._run("gather", parent.count, **parent.runs)
+        first.radiance.bind(8)
+        self._picture.bind_to_storage_buffer(0)
+        self._run("picture", rays, share=share, **where)
+        self.statistics.gather_ms += 1000 * (time.perf_counter() - begin)
+
+    def _trace_generation(self, level: int, sample: int, structure, settings: TraceSettings) -> None:
+        """Cast, shade and shadow one generation, and make the next."""
+        now, then = self._generations[level], self._generations[level + 1]
+        clock = [time.perf_counter()]
+        self._hits.reserve(16 * now.capacity)
+        self._shadows.reserve(48 * now.count)
+        then.reserve(max(2 * now.count, 1) if level + 1 < settings.depth else 1)
+
+        closest = self.queries.program(structure, "closest")
+        structure.bind(closest)
+        now.rays.bind(RAYS_UNIT)
+        self._hits.buffer.bind_to_storage_buffer(0)
+        for uniforms in structure.chunks():
+            shader.set_uniforms(closest, **({"resume": 0} | now.runs | uniforms))
+            self._dispatch(closest, now.count)
+        clock.append(time.perf_counter())
+
+        self._counts.write(bytes(16))
+        self._fabric.bind(self._program("shade"))
+        self._bind_surfaces()
+        self._hits.bind(8)
+        now.rays.bind(RAYS_UNIT)
+        now.weights.bind(15)
+        if self._environment[1] is not None:
+            self._environment[1].use(ENVIRONMENT_UNIT)
+        for binding, buffer in enumerate((then.rays, then.weights, now.radiance, now.children), 1):
+            buffer.buffer.bind_to_storage_buffer(binding)
+        self._counts.bind_to_storage_buffer(5)
+        self._shadows.buffer.bind_to_storage_buffer(6)
+        self._run(
+            "shade", now.count, **now.runs, next_last=then.capacity - 1, level=level, last_level=settings.depth - 1,
+            generation_seed=sample * DEEPEST + level,
+        )  # fmt: skip
+        then.front, then.back, shadows, _ = (int(n) for n in np.frombuffer(self._counts.read(), np.uint32))
+        clock.append(time.perf_counter())
+
+        if shadows:
+            program = self._program("shadow", structure)
+            structure.bind(program)
+            self._bind_surfaces()
+            self._shadows.bind(RAYS_UNIT)
+            now.radiance.buffer.bind_to_storage_buffer(3)
+            chunks = list(structure.chunks())
+            for k, uniforms in enumerate(chunks):
+                shader.set_uniforms(
+                    program, **(uniforms | {"shadow_count": shadows, "last_chunk": k == len(chunks) - 1})
+                )
+                self._dispatch(program, shadows)
+        clock.append(time.perf_counter())
+        self.statistics.add(level, now.count, shadows, *(1000 * float(b - a) for a, b in pairwise(clock)))
+
+    def _bind_surfaces(self) -> None:
+        self.triangles.corners.bind(12)
+        self.triangles.attributes.bind(13)
+        self._materials.bind(14)
+
+    def _program(self, name: str, structure=None):
+        key = name, structure.source if structure else None
+        if key not in self._programs:
+            virtual = {"count.glsl": "passes/count_none.glsl"} | ({"accel.glsl": structure.source} if structure else {})
+            self._programs[key] = shader.compute(self.ctx, f"passes/trace_{name}.comp", None, virtual)
+        return self._programs[key]
+
+    def _run(self, name: str, invocations: int, **uniforms) -> None:
+        program = self._program(name)
+        shader.set_uniforms(program, **uniforms)
+        self._dispatch(program, invocations)
+
+    def _dispatch(self, program, invocations: int) -> None:
+        """Run a pass of 64 invocations a group; what it wrote is visible to all that follows."""
+        program.run(-(-invocations // 64))
+        self.ctx.memory_barrier()
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        for thing in (
+            self.queries, self._hits, self._shadows, self._counts, self._picture, self._work, self._materials, self._fabric,
+            *self._generations, *self._programs.values(), *self._structures.values(),
+        ):  # fmt: skip
+            thing.release()
+        if self._environment[1] is not None:
+            self._environment[1].release()
+
+
+def sample_offsets(spp: int) -> list[tuple[float, float]]:
+    """Where in the pixel the samples lie, from its centre: the R2 sequence, a single sample in the middle.
+
+    Roberts 2018, "The unreasonable effectiveness of quasirandom sequences": evenly spread for any number of samples.
+    """
+    if spp == 1:
+        return [(0.0, 0.0)]
+    g = 1.32471795724474602596
+    return [(float((0.5 + n / g) % 1.0 - 0.5), float((0.5 + n / g**2) % 1.0 - 0.5)) for n in range(spp)]
+
+
+def _tiles(width: int, height: int):
+    """((first pixel), (blocks of 4 x 2 pixels)) of bands of whole rows, or of parts of rows if one is too long."""
+    across = min(width, TILE_PIXELS // 2)
+    rows = max(2, TILE_PIXELS // across // 2 * 2)
+    return [
+        ((x, y), (-(-min(across, width - x) // 4), -(-min(rows, height - y) // 2)))
+        for y in range(0, height, rows)
+        for x in range(0, width, across)
+    ]
+
+
+def _centred(camera: Camera, size: tuple[int, int]) -> np.ndarray:
+    """[3, 3]: direction from the eye = matrix @ (x, y, 1), x and y in pixels from the lower left corner."""
+    return camera.ray_from_pixel(size)
+
+
+def _texture(ctx: moderngl.Context, environment: Environment) -> moderngl.Texture:
+    height, width = environment.radiance.shape[:2]
+    texture = ctx.texture((width, height), 3, environment.radiance.tobytes(), dtype="f4", alignment=4)
+    texture.repeat_x, texture.repeat_y = True, False
+    texture.filter = moderngl.LINEAR, moderngl.LINEAR
+    return texture

@@ -1,0 +1,20 @@
+#version 430
+// Adds to each ray of a generation what its children brought.   [Mat section 4.2, step 6]
+layout(local_size_x = 64) in;
+layout(binding = 8) uniform samplerBuffer next_radiance;
+layout(binding = 9) uniform usamplerBuffer children;
+layout(std430, binding = 3) buffer Radiances { vec4 radiance[]; };
+uniform int ray_count;
+uniform int front_count;
+uniform int back_first;
+
+void main() {
+    int i = int(gl_GlobalInvocationID.x);
+    if (i >= ray_count) return;
+    if (i >= front_count) i += back_first - front_count;
+    uvec2 next = texelFetch(children, i).xy;
+    vec4 sum = vec4(0.0);
+    if (next.x != 0xffffffffu) sum += texelFetch(next_radiance, int(next.x));
+    if (next.y != 0xffffffffu) sum += texelFetch(next_radiance, int(next.y));
+    if (next != uvec2(0xffffffffu)) radiance[i] += sum;
+}

@@ -1,0 +1,160 @@
+#version 430
+// Shades the hits of one generation of rays and makes the next: the transmitted ray and the mirrored one.
+// [Mat section 4.2, steps 4 and 5]
+//
+// L_out = T_sheet L(straight on) + R_sheet L(mirrored) + (yarns' transmission or reflection) E V + ambient: the lamp's part
+// waits in the shadow queue until its visibility V is known. Rays of the next generation lie in two runs: transmitted ones
+// from the front, mirrored ones from the back.
+#include "trace/shared.glsl"
+#include "trace/random.glsl"
+#include "core/equirect.glsl"
+#include "passes/fabric.glsl"
+#include "passes/surface_at.glsl"
+#include "passes/transmission.glsl"
+
+layout(local_size_x = 64) in;
+layout(binding = 6) uniform sampler2D environment_map;
+layout(binding = 8) uniform usamplerBuffer hits;      // (t, triangle, v, w)
+layout(binding = 11) uniform samplerBuffer rays;      // (origin, t_min) (direction, t_max)
+layout(binding = 15) uniform samplerBuffer weights;   // (weight, pixel)
+layout(std430, binding = 1) writeonly buffer Rays { vec4 ray_out[]; };
+layout(std430, binding = 2) writeonly buffer Weights { vec4 weight_out[]; };
+layout(std430, binding = 3) writeonly buffer Radiances { vec4 radiance[]; };
+layout(std430, binding = 4) writeonly buffer Children { uvec2 children[]; };
+layout(std430, binding = 5) buffer Counts { uint count[]; };  // transmitted, mirrored, shadow rays
+layout(std430, binding = 6) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray) (direction, t_max) (radiance, -)
+uniform int ray_count;
+uniform int front_count;
+uniform int back_first;
+uniform int next_last;       // the last place in the next generation's queue; mirrored rays fill it from here down
+uniform int level;
+uniform int last_level;
+uniform int generation_seed;  // of the sample and the level
+uniform bool spread;         // draw the transmitted direction from the lobes instead of going straight on
+uniform float cutoff;        // rays that count for less are not followed
+uniform float offset;        // how far off the surface new rays begin
+uniform float far;
+uniform vec4 lamp;           // position, 1; or direction toward it, 0
+uniform vec3 intensity;      // W/sr of a point; irradiance of a distant one
+uniform vec3 ambient;        // radiance of the even light in the room
+uniform vec3 cloth_albedo;   // of the fabric in even light
+uniform float reflection_limit;  // dims the yarns' reflection so that no energy is gained
+uniform vec3 background;
+uniform bool has_environment;
+uniform mat3 environment_from_world;
+
+float largest(vec3 v) { return max(v.r, max(v.g, v.b)); }
+
+vec3 sky(vec3 d) {
+    if (!has_environment) return background;
+    return textureLod(environment_map, uv_from_direction(normalize(environment_from_world * d)), 0.0).rgb;
+}
+
+// A direction through the sheet and what the ray along it counts for, drawn from holes, directed and diffuse transmission.
+// omega_o: toward the viewer in the frame with z = N; the result points away on the other side (z < 0).
+vec3 drawn_direction(vec3 omega_o, uvec3 seed, out vec3 weight) {
+    float open = T_open(omega_o, rho);
+    vec3 yarns = (1.0 - open) * k_t * absorption(omega_o, omega_o, tau);
+    float p_open = k_a * open / max(k_a * open + largest(yarns), 1e-12);
+    uvec3 hash = hash3(seed);
+    vec2 u = unit_square(hash.xy);
+    float pick = unit_square(hash.zz).x;
+    weight = vec3(largest(yarns) > 0.0 ? 1.0 : 0.0) * yarns / max(1.0 - p_open, 1e-12);
+    if (pick < p_open) {
+        weight = vec3(k_a * open / p_open);
+        return -omega_o;
+    }
+    float part = (pick - p_open) / max(1.0 - p_open, 1e-12);
+    vec3 d;
+    if (part < 0.5) {
+        vec3 h = facet_direction(u, roughness_p);
+        vec3 r = reflect(-omega_o, h);
+        d = vec3(r.xy, -r.z);
+    } else if (part < 0.5 + 0.5 * diffuse) {
+        d = -cosine_direction(u);
+    } else {
+        d = refract(-omega_o, facet_direction(u, roughness), eta_1 / eta_2);
+    }
+    return d.z < 0.0 ? d : -omega_o;
+}
+
+void main() {
+    int i = int(gl_GlobalInvocationID.x);
+    if (i >= ray_count) return;
+    if (i >= front_count) i += back_first - front_count;
+    vec3 d = texelFetch(rays, 2 * i + 1).xyz;
+    vec4 weight = texelFetch(weights, i);
+    uvec4 hit = texelFetch(hits, i);
+    if (hit.y == NO_TRIANGLE) {
+        radiance[i] = vec4(weight.rgb * sky(d), 0.0);
+        children[i] = uvec2(NO_TRIANGLE);
+        return;
+    }
+    vec3 p = texelFetch(rays, 2 * i).xyz + uintBitsToFloat(hit.x) * d;
+    Surface s = surface_at(int(hit.y), uintBitsToFloat(hit.zw), -d);
+    mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
+    vec3 omega_o = -d * world_from_surface;
+
+    vec3 l = lamp.w > 0.0 ? lamp.xyz - p : lamp.xyz;
+    float distance_2 = lamp.w > 0.0 ? dot(l, l) : 1.0;
+    float distance_l = lamp.w > 0.0 ? sqrt(distance_2) : far;
+    l *= lamp.w > 0.0 ? inversesqrt(max(distance_2, 1e-12)) : 1.0;
+    vec3 E = intensity / max(distance_2, 1e-12);
+    vec3 omega_i = l * world_from_surface;
+    bool lit_behind = dot(s.N_g, l) < 0.0;
+
+    vec3 direct = vec3(0.0);
+    vec3 even = ambient;
+    uvec2 next = uvec2(NO_TRIANGLE);
+    if (s.cloth) {
+        even *= cloth_albedo;
+        if (lit_behind) {
+            // The functions have z = N on the light's side.
+            vec3 i_t = vec3(omega_i.xy, -omega_i.z);
+            vec3 o_t = vec3(omega_o.xy, -omega_o.z);
+            direct = covered(i_t, o_t, rho) * k_t * absorption(i_t, o_t, tau) * max(i_t.z, 0.0)
+                     * f_yarn(i_t, o_t, roughness, eta_1, eta_2, diffuse, roughness_p);
+        } else {
+            direct = reflection_limit * f_cloth(omega_i, omega_o);
+        }
+        if (level < last_level) {
+            vec3 onward = d;
+            vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
+            if (spread) {
+                vec3 drawn = drawn_direction(omega_o, uvec3(uint(weight.a), uint(generation_seed), uint(i)), through);
+                drawn = world_from_surface * drawn;
+                onward = dot(drawn, s.N_g) < 0.0 ? drawn : d;
+            }
+            through *= weight.rgb;
+            if (largest(through) > cutoff) {
+                uint k = atomicAdd(count[0], 1u);
+                ray_out[2u * k] = vec4(p - offset * s.N_g, 0.0);
+                ray_out[2u * k + 1u] = vec4(onward, far);
+                weight_out[k] = vec4(through, weight.a);
+                next.x = k;
+            }
+            vec3 mirrored = weight.rgb * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
+            if (largest(mirrored) > cutoff) {
+                vec3 r = reflect(d, s.N);
+                if (dot(r, s.N_g) <= 0.0) r = reflect(d, s.N_g);
+                uint k = uint(next_last) - atomicAdd(count[1], 1u);
+                ray_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
+                ray_out[2u * k + 1u] = vec4(r, far);
+                weight_out[k] = vec4(mirrored, weight.a);
+                next.y = k;
+            }
+        }
+    } else {
+        even *= s.diffuse;
+        direct = s.diffuse * (lit_behind ? 0.0 : max(omega_i.z, 0.0) / PI);
+    }
+    direct *= E * weight.rgb;
+    radiance[i] = vec4(weight.rgb * even, 0.0);
+    children[i] = next;
+    if (largest(direct) > 1e-5 * cutoff) {
+        uint k = atomicAdd(count[2], 1u);
+        shadow_out[3u * k] = vec4(p + (lit_behind ? -offset : offset) * s.N_g, float(i));
+        shadow_out[3u * k + 1u] = vec4(l, distance_l - (lamp.w > 0.0 ? offset : 0.0));
+        shadow_out[3u * k + 2u] = vec4(direct, 0.0);
+    }
+}
