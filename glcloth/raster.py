@@ -30,7 +30,8 @@ class MeshBuffers:
 class GBuffer:
     """Frames and depth of one view; `shade` runs a program for each covered pixel, hidden ones cost nothing."""
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int]):
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], program: moderngl.Program | None = None):
+        """`program`: that of another G-buffer, so that a second size compiles nothing."""
         self.ctx, self.size = ctx, size
         self.frame_N = ctx.texture(size, 4, dtype="f4")
         self.frame_x = ctx.texture(size, 4, dtype="f4")
@@ -40,7 +41,7 @@ class GBuffer:
         self.depth = ctx.depth_texture(size)
         self.frames = ctx.framebuffer([self.frame_N, self.frame_x], self.depth)
         self.target = ctx.framebuffer([self.color], self.depth)
-        self.program = shader.program(ctx, "passes/surface.vert", "passes/surface.frag")
+        self.program = program or shader.program(ctx, "passes/surface.vert", "passes/surface.frag")
         self.ray_from_pixel = np.eye(3)
 
     def draw(self, mesh: MeshBuffers, camera: Camera, offset=(0.0, 0.0)) -> None:
@@ -74,13 +75,16 @@ class GBuffer:
         if "ray_from_pixel" in program:
             program["ray_from_pixel"].write(self.ray_from_pixel.T.astype("f4").tobytes())
 
-    def shade(self, program, add: bool = False) -> None:
+    def shade(self, program, add: bool = False, rows: tuple[int, int] | None = None) -> None:
         """Run a program of passes/screen.vert for every covered pixel; `add` its colour instead of setting it.
+
+        `rows` = (first, count), counted from below, limits it to a band of the picture.
 
         The screen triangle lies on the far plane and passes where something nearer was drawn, so early depth testing
         drops uncovered pixels before they are shaded.
         """
         self.bind(program)
+        self.target.scissor = None if rows is None else (0, rows[0], self.size[0], rows[1])
         self.target.use()
         self.target.viewport = (0, 0, *self.size)
         self.target.depth_mask = False
@@ -93,12 +97,17 @@ class GBuffer:
         array.release()
         self.ctx.depth_func = "<"
         self.ctx.enable_only(moderngl.NOTHING)
+        if rows is not None:
+            self.target.scissor = None
 
-    def fill_behind(self, program) -> None:
-        """Run a program over the whole screen, behind what was shaded: weighted by what the cloth leaves uncovered."""
+    def fill_behind(self, program, target: moderngl.Framebuffer | None = None) -> None:
+        """Run a program over the whole screen, behind what was shaded: weighted by what the cloth leaves uncovered.
+
+        `target`: another framebuffer of the same size to fill instead of the colour target.
+        """
         if "ray_from_pixel" in program:
             program["ray_from_pixel"].write(self.ray_from_pixel.T.astype("f4").tobytes())
-        self.target.use()
+        (target or self.target).use()
         self.ctx.enable_only(moderngl.BLEND)
         self.ctx.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
         array = self.ctx.vertex_array(program, [])
@@ -121,4 +130,3 @@ class GBuffer:
         self.ctx.detect_framebuffer(0).use()
         for thing in (self.frames, self.target, self.frame_N, self.frame_x, self.color, self.depth):
             thing.release()
-        self.program.release()
