@@ -17,8 +17,9 @@ from ..errors import InputError
 from ..gpu import TextureBuffer
 from .brute import Brute
 from .kdtree import KdTree
+from .lbvh import Lbvh
 
-STRUCTURES = {"kdtree": KdTree, "brute": Brute}
+STRUCTURES = {"kdtree": KdTree, "lbvh": Lbvh, "brute": Brute}
 RAYS_UNIT, HITS_BINDING, WORK_BINDING = 11, 0, 7
 NO_TRIANGLE = 0xFFFFFFFF
 

@@ -21,7 +21,8 @@ from ..simulation import Cloth, ClothParameters, Plane, Wind
 class CurtainParameters:
     """A curtain on a rail along x, the window in the plane z = 0 behind it, the floor at y = 0; SI units.
 
-    width, top, distance: length of the rail, its height, its distance from the window, m. drop: length of the cloth, m.
+    width, top: length of the rail, its height, m. clearance: from the window to the backs of the pleats, m. drop: length
+    of the cloth, m.
     fullness: width of the cloth over that of the rail. pleats: folds along the rail. irregularity: how unequal they are
     (0 = all alike). quads: cells of the grid along the rail and down the cloth. heading: "tape" holds the whole upper
     edge in pleats, "rings" only the front of each pleat. mass: kg/m^2. stretch, shear: N/m. bending: N m. hem: factor on
@@ -31,7 +32,7 @@ class CurtainParameters:
 
     width: float = 2.5
     top: float = 2.41
-    distance: float = 0.14
+    clearance: float = 0.06
     drop: float = 2.3
     fullness: float = 1.8
     pleats: int = 13
@@ -50,7 +51,7 @@ class CurtainParameters:
     settle: float = 1.5
 
     def __post_init__(self):
-        for name in ("width", "drop", "mass", "stretch", "hem"):
+        for name in ("width", "drop", "clearance", "mass", "stretch", "hem"):
             if not getattr(self, name) > 0:
                 raise InputError(f"curtain: {name} = {getattr(self, name)}, must be > 0; change it")
         if not 1.0 <= self.fullness <= 4.0:
@@ -171,31 +172,37 @@ def pleated_rail(parameters: CurtainParameters, columns: int) -> np.ndarray:
     All pieces are equally long, so that no thread starts out stretched or slack.
     """
     m = parameters
-    s = np.linspace(0.0, 1.0, 400 * m.pleats + 1)
+    s = np.linspace(0.0, m.fullness + 0.1, 1000 * m.pleats + 1)
     # Unequal pleats: the phase runs ahead and behind by two slow waves, the height follows a third.
     phase = s * m.pleats + m.irregularity * (0.5 * np.sin(7.3 * s + 1.0) + 0.5 * np.sin(17.9 * s)) * s * (1 - s) * 4
     wave = np.cos(2 * np.pi * phase) * (1 + 0.5 * m.irregularity * np.sin(11.0 * s + 2.0))
 
-    length = m.width * m.fullness
+    piece = m.width * m.fullness / (columns - 1)
 
-    def columns_at(height: float) -> tuple[np.ndarray, float]:
-        """Positions along s whose chords are all alike, and the chords' sum."""
-        t = np.linspace(0.0, 1.0, columns)
-        for _ in range(12):
-            chord = np.hypot(np.diff(t) * m.width, np.diff(np.interp(t, s, wave)) * height)
-            along = np.concatenate([[0.0], np.cumsum(chord)])
-            t = np.interp(np.linspace(0.0, along[-1], columns), along, t)
-        return t, along[-1]
+    def march(height: float) -> np.ndarray:
+        """Positions along s, from 0 on, at which a compass opened to `piece` steps along the wave."""
+        x, z = s * m.width, wave * height
+        t = np.zeros(columns)
+        for k in range(1, columns):
+            here = t[k - 1] * m.width, np.interp(t[k - 1], s, z)
+            first = int(np.searchsorted(s, t[k - 1], side="right"))
+            # Beyond this many points of the fine wave x alone is farther than the compass opens.
+            ahead = slice(first, first + int(piece / (x[1] - x[0])) + 3)
+            distance = np.hypot(x[ahead] - here[0], z[ahead] - here[1])
+            past = int(np.argmax(distance >= piece))
+            before = distance[past - 1] if past else 0.0
+            s_before = s[first + past - 1] if past else t[k - 1]
+            share = (piece - before) / (distance[past] - before)
+            t[k] = s_before + share * (s[first + past] - s_before)
+        return t
 
-    height = brentq(lambda a: columns_at(a)[1] - length, 0.0, length) if m.fullness > 1 else 0.0
-    t, _ = columns_at(height)
-    z = m.distance + height * np.interp(t, s, wave)
-    if z.min() < 0.01:
-        raise InputError(
-            f"curtain: pleats {height:.3f} m deep at {m.distance} m from the window would touch it; "
-            "use more pleats, less fullness or more distance"
-        )
-    return np.column_stack([(t - 0.5) * m.width, z])
+    # At height 0 the compass walks far beyond the rail's end; the higher the wave, the sooner it ends.
+    low, high = 0.0, m.width
+    height = brentq(lambda a: march(a)[-1] - 1.0, low, high, xtol=1e-9) if m.fullness > 1 else 0.0
+    t = march(height)
+    t[-1] = 1.0
+    z = height * np.interp(t, s, wave)
+    return np.column_stack([(t - 0.5) * m.width, z - z.min() + m.clearance])
 
 
 def _crests(z: np.ndarray) -> np.ndarray:

@@ -24,3 +24,9 @@ const int STACK = 48;            // the deepest a tree may be: LARGE_LEVELS + SM
 const int LARGE_LEVELS = 28;
 const int SMALL_LEVELS = 20;
 const int MASK_BITS = 64;        // the largest small node   [Zhou 2008, section 3.1]
+
+// The bounding volume hierarchy.
+const int BVH_STACK = 64;        // 30 bits of Morton code and 32 of the triangle's place cannot make a deeper tree
+const int BVH_LEAF = 4;          // the most triangles of a leaf
+const int SORT_BITS = 6;         // of a digit of the radix sort
+const int SORT_CHUNK = 256;      // keys that one invocation sorts in order

@@ -1,0 +1,23 @@
+#version 430
+// Radix sort, third of three passes a digit: each chunk puts its keys in their places, in order, so the sort is stable.
+#include "trace/shared.glsl"
+layout(local_size_x = 8) in;
+layout(binding = 1) uniform usamplerBuffer keys;
+layout(binding = 3) uniform usamplerBuffer begins;
+layout(std430, binding = 1) writeonly buffer Keys { uvec2 key_out[]; };
+uniform int key_count;
+uniform int chunk_count;
+uniform int shift;
+
+void main() {
+    int chunk = int(gl_GlobalInvocationID.x);
+    if (chunk >= chunk_count) return;
+    const int DIGITS = 1 << SORT_BITS;
+    uint at[DIGITS];
+    for (int d = 0; d < DIGITS; ++d) at[d] = texelFetch(begins, d * chunk_count + chunk).x;
+    int end = min((chunk + 1) * SORT_CHUNK, key_count);
+    for (int i = chunk * SORT_CHUNK; i < end; ++i) {
+        uvec2 key = texelFetch(keys, i).xy;
+        key_out[at[(key.x >> uint(shift)) & uint(DIGITS - 1)]++] = key;
+    }
+}
