@@ -21,14 +21,15 @@ NODE_UNIT, ENTRY_UNIT, LOBE_UNIT, LIGHT_UNIT = 8, 9, 10, 11
 ENTRY_TEXELS = 5
 MAX_PHI_PAIRS = 8
 MAP_SIZE = 160  # of the octahedral map of pooled light: sharpness 30 needs a texel of a degree
-GROUP_COUNTS = (1, 2, 8)  # vec4s of tangents that programs are compiled for: 4, 8 or 32 tangents
+# What programs are compiled for: (groups, tangents a group, with pooled nodes). The first that a fabric fits serves it.
+VARIANTS = ((1, 4, False), (1, 4, True), (2, 3, True), (2, 4, True), (8, 4, True))
 
 
 class Direct:
     """The quadrature of glsl/passes/method_direct.glsl, and what it needs from the host.
 
-    Everything that a user edits goes into buffers and uniforms. Only the number of groups of four tangents is compiled
-    in; `variants` lists its three values, so that a window can compile them all before anything is edited.
+    Everything that a user edits goes into buffers and uniforms. Only how the tangents are
+    packed into vec4s is compiled in; `variants` lists the five ways, so that a window can compile them before any edit.
     """
 
     source = "passes/method_direct.glsl"
@@ -45,7 +46,7 @@ class Direct:
         self._map_program = None
         self._keys: dict[str, object] = {}
         self._uniforms: dict[str, np.ndarray] = {}
-        self._groups = 1
+        self._variant = VARIANTS[0]
         self._evaluations = 0
         self._warm: set[str] = set()
 
@@ -67,7 +68,7 @@ class Direct:
         nodes = self._write_entries(lights, schedule, lobes, pooled, fabric)
         pool = self._write_lobes(fabric, schedule, lobes, pooled)
         self._write_map(lights, pooled)
-        self._set_fabric(fabric)
+        self._set_fabric(fabric, pool > 0)
         self._evaluations = nodes * len(fabric.tangents) + pool
 
     def _warm_up(self, quality: str) -> None:
@@ -130,7 +131,7 @@ class Direct:
             variance = 1.0 / (sharp[mine] + plan.CUT_SHARPNESS)
             # Of theta_i + theta_o = 2 theta_h; the little Gaussian of a node widens the lobe.
             width2 = 4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None]
-            records[mine, 2], records[mine, 3] = kept, 1.0 / width2
+            records[mine, 2], records[mine, 3] = kept, np.sqrt(1.0 / (width2 * np.log(2)))
             left = (1.0 - share[mine, None] * own) * (1.0 - k_d)
             records[mine, 4] = left * 2.0 / np.sqrt(np.pi * width2)
         self._entry_data.write(records)
@@ -197,38 +198,41 @@ class Direct:
         self._map_program.run(groups, groups)
         self.ctx.memory_barrier(moderngl.TEXTURE_FETCH_BARRIER_BIT)
 
-    def _set_fabric(self, fabric: Fabric) -> None:
+    def _set_fabric(self, fabric: Fabric, pooled: bool) -> None:
         tangents = fabric.tangents
-        self._groups = next(g for g in GROUP_COUNTS if 4 * g >= len(tangents))
-        slots = np.zeros((5, 4 * self._groups), "f4")
+        self._variant = next(v for v in VARIANTS if v[0] * v[1] >= len(tangents) and v[2] >= pooled)
+        groups, lanes, _ = self._variant
+        slots = np.zeros((7, groups * lanes), "f4")
         tilt = np.array([t.tilt for t in tangents])
-        slots[0], slots[1] = 1.0, 0.0
+        slots[0] = 1.0
         count = len(tangents)
         slots[0, :count], slots[1, :count] = np.cos(tilt), np.sin(tilt)
         slots[2, :count], slots[3, :count] = fabric.weights.T
         slots[4, :count] = [t.yarn for t in tangents]
-        slots = slots.reshape(5, self._groups, 4)
-        names = ("slot_cos_tilt", "slot_sin_tilt", "slot_weight", "slot_share", "slot_yarn")
         eta = np.array([y.eta for y in fabric.yarn])
+        F_0 = ((1 - eta) / (1 + eta)) ** 2
+        slots[5, :count] = [F_0[t.yarn] for t in tangents]
+        slots[6, :count] = [fabric.yarn[t.yarn].k_d for t in tangents]
+        slots = np.pad(slots.reshape(7, groups, lanes), ((0, 0), (0, 0), (0, 4 - lanes)))
+        names = ("cos_tilt", "sin_tilt", "weight", "share", "yarn", "F_0", "k_d")
         self._uniforms |= {
-            **dict(zip(names, slots, strict=True)),
-            "inv_sigma2": np.array([fabric.sigma**-2], "f4"),
+            **{f"slot_{name}": value for name, value in zip(names, slots, strict=True)},
+            "log2_e_over_sigma2": np.array([fabric.sigma**-2 / np.log(2)], "f4"),
             "gap": np.array([fabric.gap], "f4"),
-            "yarn_F_0": (((1 - eta) / (1 + eta)) ** 2).astype("f4"),
-            "yarn_k_d": np.array([y.k_d for y in fabric.yarn], "f4"),
+            "yarn_F_0": F_0.astype("f4"),
             "yarn_A": np.array([y.albedo for y in fabric.yarn], "f4"),
         }
 
     # -- the contract of a method ----------------------------------------------------------------------------------
 
     def defines(self) -> dict:
-        """The number of groups of four tangents (see `variants`)."""
-        return _defines(self._groups)
+        """How the tangents are packed (see `variants`)."""
+        return _defines(*self._variant)
 
     @staticmethod
     def variants() -> list[dict]:
         """All values that `defines` can take."""
-        return [_defines(groups) for groups in GROUP_COUNTS]
+        return [_defines(*variant) for variant in VARIANTS]
 
     def bind(self, program) -> None:
         """Bind the buffers and set the uniforms of a program."""
@@ -252,6 +256,10 @@ class Direct:
         return self._evaluations
 
 
-def _defines(groups: int) -> dict:
-    calls = "; ".join(f"F({g})" for g in range(groups))
-    return {"GROUPS": groups, "EACH_GROUP(F)": calls + ";"}
+def _defines(groups: int, lanes: int, pooled: bool) -> dict:
+    return {
+        "GROUPS": groups,
+        "EACH_GROUP(F)": " ".join(f"F({g});" for g in range(groups)),
+        "LANES": f"vec4({', '.join('1.0' if i < lanes else '0.0' for i in range(4))})",
+        "POOLED(L)": "L" if pooled else "",
+    }

@@ -56,13 +56,14 @@ def gaussian_table(sharpness: float, level: int) -> np.ndarray:
     direction and the logarithm of the mass. Interpolated between the sharpnesses of a grid, so that no edit of a light
     computes a rule; in units of the Gaussian's width the rules change slowly.
     """
-    scale = np.array([np.sqrt(sharpness + 1.0), np.sqrt(sharpness + 1.0), sharpness + 1.0, 1.0])
     place = np.log(max(sharpness, 1e-2)) / STEP
     i = int(np.floor(place))
     f = place - i
     table = (1 - f) * _cell(i, level) + f * _cell(i + 1, level)
-    table[..., 2] = 1.0 - table[..., 2] / scale[2]
-    table[..., :2] /= scale[0]
+    table[..., 2] = 1.0 - table[..., 2] / (sharpness + 1.0)
+    table[..., :2] /= np.sqrt(sharpness + 1.0)
+    # Interpolation leaves the sphere; the shader takes arcsines and roots of 1 - x^2.
+    table[..., :3] /= np.linalg.norm(table[..., :3], axis=-1, keepdims=True)
     table[-1, :, 3] -= np.log(sharpness + 1.0)
     return table.astype(np.float32)
 

@@ -11,10 +11,10 @@ def square_angle(x):
     return np.arccos(np.clip(1.0 - np.asarray(x, float), -1, 1)) ** 2
 
 
-def g_of_cos(cos_angle, inv_sigma2):
-    """g(angle; 0, sigma).   [Miz, below 6]"""
+def g_of_cos(cos_angle, log2_e_over_sigma2):
+    """g(angle; 0, sigma) by the angle's cosine.   [Miz, below 6]"""
     angle = np.arccos(np.clip(cos_angle, -1, 1))
-    return np.exp(-(angle**2) * np.asarray(inv_sigma2)[..., None])
+    return np.exp(-(angle**2) * np.asarray(log2_e_over_sigma2)[..., None] * np.log(2))
 
 
 def D_masks(x, y, z):
@@ -22,6 +22,6 @@ def D_masks(x, y, z):
     return D_mask(x, y, z)
 
 
-def F_slots(F_0, cos2_theta_d_4, cos2_half_phi_d_2):
-    """Schlick's Fresnel reflectance by 4 cos^2(theta_d) and 2 cos^2(phi_d / 2).   [Miz 12]"""
-    return F_schlick(F_0, np.sqrt(cos2_theta_d_4 / 4) * np.sqrt(cos2_half_phi_d_2 / 2))
+def F_slots(F_0, cos_theta_d, cos_half_phi_d):
+    """Schlick's Fresnel reflectance.   [Miz 12]"""
+    return F_schlick(F_0, np.asarray(cos_theta_d) * cos_half_phi_d)

@@ -9,19 +9,20 @@ vec4 square_angle(vec4 x) {
     return x * (2.0 + x * (1.0 / 3.0 + x * (4.0 / 45.0 + 0.067381 * x * x)));
 }
 
-// [Miz, below 6]  g(angle; 0, sigma) by the angle's cosine
-vec4 g_of_cos(vec4 cos_angle, float inv_sigma2) {
-    return exp(-inv_sigma2 * square_angle(clamp(1.0 - cos_angle, 0.0, 2.0)));
+// [Miz, below 6]  g(angle; 0, sigma) by the angle's cosine; log2_e_over_sigma2 = 1 / (sigma^2 ln 2)
+vec4 g_of_cos(vec4 cos_angle, float log2_e_over_sigma2) {
+    return exp2(-log2_e_over_sigma2 * square_angle(1.0 - cos_angle));
 }
 
 // [Miz, below 6]  D(x, y, z) = (1 - x) y z + x min(y, z)
 vec4 D_masks(vec4 x, vec4 y, vec4 z) {
-    return mix(y * z, min(y, z), x);
+    vec4 yz = y * z;
+    return yz + x * (min(y, z) - yz);
 }
 
-// [Miz 12]  F_r = F_0 + (1 - F_0) (1 - cos(theta_d) cos(phi_d / 2))^5, by 4 cos^2(theta_d) and 2 cos^2(phi_d / 2)
-vec4 F_slots(vec4 F_0, vec4 cos2_theta_d_4, vec4 cos2_half_phi_d_2) {
-    vec4 q = max(1.0 - sqrt(0.125 * cos2_theta_d_4 * cos2_half_phi_d_2), 0.0);
+// [Miz 12]  F_r = F_0 + (1 - F_0) (1 - cos(theta_d) cos(phi_d / 2))^5
+vec4 F_slots(vec4 F_0, vec4 cos_theta_d, vec4 cos_half_phi_d) {
+    vec4 q = 1.0 - cos_theta_d * cos_half_phi_d;
     vec4 q2 = q * q;
     return F_0 + (1.0 - F_0) * (q2 * q2 * q);
 }

@@ -1,6 +1,7 @@
 // Method `direct`: quadrature at nodes that are shared by all tangents and all lobes; no tables of the fabric.   [own]
 //   L_o = sum_k L_k sum_n w_n sum_t R_t(omega_n) cos(theta_i) (f_rs + A_j f_rv),   R_t = w_t M_t P_t / Q
-// Defines: GROUPS, vec4s that hold the tangents; EACH_GROUP(F), F(0); F(1); ... F(GROUPS - 1); See docs/direct.md.
+// Defines: GROUPS, vec4s that hold the tangents; EACH_GROUP(F), that is F(0); F(1); ... F(GROUPS - 1); LANES, 1 for each
+// component of those vec4s that is in use; POOLED(L), L or nothing. See docs/direct.md.
 #include "core/math.glsl"
 #include "direct/node.glsl"
 #include "direct/pool.glsl"
@@ -9,8 +10,8 @@
 
 const int NODE_COLUMNS = 64;   // glcloth/cloth/gaussian_nodes.py says the same
 const int LOBE_COLUMNS = 64;   // glcloth/cloth/lobe_nodes.py says the same
-const int ENTRY_TEXELS = 5;
-const int MAX_PHI_PAIRS = 8;
+const int ENTRY_TEXELS = 5;    // glcloth/cloth/direct.py says the same
+const int MAX_PHI_PAIRS = 8;    // glcloth/cloth/direct.py says the same
 
 layout(binding = 8) uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean
 layout(binding = 9) uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule
@@ -19,26 +20,27 @@ layout(binding = 11) uniform sampler2D pooled_light;   // radiance of the pooled
 uniform int entry_count;                // at least 1
 uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta, their pairs in phi; at least 1 each
 uniform vec2 phi_rule[MAX_PHI_PAIRS];   // nodes > 0 and weights of a Gauss-Legendre rule on -1..1
-uniform float inv_sigma2;               // of shadowing and masking
+uniform float log2_e_over_sigma2;       // of shadowing and masking
 uniform float gap;                      // 1 - a_1 - a_2 in W's normaliser
-uniform vec2 yarn_F_0;
-uniform vec2 yarn_k_d;
 uniform vec3 yarn_A[2];
-// Four tangents each; unused ones weigh nothing.
+uniform vec2 yarn_F_0;
+// Four tangents each; unused ones weigh nothing. A LANES of 0 is a constant that lets the compiler drop a component.
 uniform vec4 slot_cos_tilt[GROUPS];
 uniform vec4 slot_sin_tilt[GROUPS];
 uniform vec4 slot_weight[GROUPS];
 uniform vec4 slot_share[GROUPS];
 uniform vec4 slot_yarn[GROUPS];  // 0 or 1
+uniform vec4 slot_F_0[GROUPS];
+uniform vec4 slot_k_d[GROUPS];
 
 // What omega_o fixes. On llvmpipe arrays with constant indices are registers.
 vec2 sin_psi_o, cos_psi_o;  // of the two yarns, for tilt 0
 vec4 sin_theta_o[GROUPS], cos_theta_o[GROUPS], theta_o[GROUPS];
-vec4 cos_phi_o[GROUPS], sin_phi_o[GROUPS], cos_psi_t[GROUPS];
+vec4 cos_phi_o[GROUPS], sin_phi_o[GROUPS], visible_o[GROUPS], cos_psi_t[GROUPS];
 vec4 P[GROUPS], surface[GROUPS], volume[GROUPS];
 
 vec4 of_yarn(int g, vec2 yarns) {
-    return mix(vec4(yarns.x), vec4(yarns.y), slot_yarn[g]);
+    return mix(vec4(yarns.x), vec4(yarns.y), greaterThan(slot_yarn[g], vec4(0.5)));
 }
 
 void see_group(int g, vec3 omega_o) {
@@ -52,6 +54,7 @@ void see_group(int g, vec3 omega_o) {
     theta_o[g] = asin(clamp(t, -1.0, 1.0));
     cos_phi_o[g] = n * inv;
     sin_phi_o[g] = across * inv;
+    visible_o[g] = max(cos_phi_o[g], 0.0);
     cos_psi_t[g] = max(of_yarn(g, cos_psi_o) * slot_cos_tilt[g] + of_yarn(g, sin_psi_o) * slot_sin_tilt[g], 0.0);
 }
 
@@ -62,7 +65,7 @@ void look_along(vec3 omega_i) {
     vec2 inv = inversesqrt(omega_i.xy * omega_i.xy + omega_i.z * omega_i.z + 1e-20);
     sin_psi_i = omega_i.xy * inv;
     cos_psi_i = omega_i.z * inv;
-    g_psi = g_of_cos(vec4(cos_psi_i * cos_psi_o + sin_psi_i * sin_psi_o, 0.0, 0.0), inv_sigma2).xy;
+    g_psi = g_of_cos(vec4(cos_psi_i * cos_psi_o + sin_psi_i * sin_psi_o, 0.0, 0.0), log2_e_over_sigma2).xy;
 }
 
 float Q;
@@ -70,21 +73,28 @@ float Q;
 void add_P(int g) {
     vec4 c = max(of_yarn(g, cos_psi_i) * slot_cos_tilt[g] + of_yarn(g, sin_psi_i) * slot_sin_tilt[g], 0.0);
     P[g] = D_masks(of_yarn(g, g_psi), c, cos_psi_t[g]);
-    Q += dot(slot_share[g], P[g]);
+    Q += dot(slot_share[g] * LANES, P[g]);
 }
 
 // -- Gaussians at their own nodes ---------------------------------------------------------------------------------------
 
-// Of one entry: how much of its distance from the mean a node keeps, q^2 and the amplitude of the widened lobes;
-// components (surface of yarn 0, surface of yarn 1, volume of yarn 0, volume of yarn 1).
-vec4 entry_kept, entry_q2, entry_amplitude;
-vec4 from_mean_s[GROUPS], from_mean_v[GROUPS];
+// Of one entry; components (surface of yarn 0, surface of yarn 1, volume of yarn 0, volume of yarn 1): how much of its
+// distance from the mean a node keeps; the widened lobe is amplitude exp2(-(sharp (theta_i + theta_o))^2).
+vec4 entry_kept, entry_sharp, entry_amplitude;
+// sharp (theta_i + theta_o) as a linear function of the node's theta_i: x = start + slope theta_i
+vec4 start_s[GROUPS], start_v[GROUPS], slope_s[GROUPS], slope_v[GROUPS], amplitude_s[GROUPS], amplitude_v[GROUPS];
 
 void aim_group(int g, vec3 mean) {
     vec4 t = of_yarn(g, mean.xy) * slot_cos_tilt[g] - mean.z * slot_sin_tilt[g];
     vec4 theta_mean = asin(clamp(t, -1.0, 1.0));
-    from_mean_s[g] = theta_o[g] + (1.0 - of_yarn(g, entry_kept.xy)) * theta_mean;
-    from_mean_v[g] = theta_o[g] + (1.0 - of_yarn(g, entry_kept.zw)) * theta_mean;
+    vec4 kept_s = of_yarn(g, entry_kept.xy), kept_v = of_yarn(g, entry_kept.zw);
+    vec4 sharp_s = of_yarn(g, entry_sharp.xy), sharp_v = of_yarn(g, entry_sharp.zw);
+    start_s[g] = sharp_s * (theta_o[g] + (1.0 - kept_s) * theta_mean);
+    start_v[g] = sharp_v * (theta_o[g] + (1.0 - kept_v) * theta_mean);
+    slope_s[g] = sharp_s * kept_s;
+    slope_v[g] = sharp_v * kept_v;
+    amplitude_s[g] = of_yarn(g, entry_amplitude.xy);
+    amplitude_v[g] = of_yarn(g, entry_amplitude.zw);
     surface[g] = volume[g] = vec4(0.0);
 }
 
@@ -97,20 +107,17 @@ void light_group(int g, vec3 omega_i, float weight) {
     vec4 cos_theta_i = c2 * inv;
     vec4 cos_phi_i = max(n * inv, 0.0);
     vec4 cos_phi_d = cos_phi_i * cos_phi_o[g] + across * inv * sin_phi_o[g];
-    vec4 M = D_masks(g_of_cos(cos_phi_d, inv_sigma2), cos_phi_i, max(cos_phi_o[g], 0.0));
+    vec4 M = D_masks(g_of_cos(cos_phi_d, log2_e_over_sigma2), cos_phi_i, visible_o[g]);
+    vec4 cos_half_phi_d = sqrt(max(0.5 + 0.5 * cos_phi_d, 0.0));
     vec4 cos_sum = cos_theta_i + cos_theta_o[g], sin_sum = t + sin_theta_o[g];
     vec4 cos2_theta_d_4 = max(cos_sum * cos_sum + sin_sum * sin_sum, 4e-7);
-    vec4 cos2_half_phi_d_2 = max(1.0 + cos_phi_d, 0.0);
-    vec4 F_r = F_slots(of_yarn(g, yarn_F_0), cos2_theta_d_4, cos2_half_phi_d_2);
+    vec4 F_r = F_slots(slot_F_0[g], 0.5 * sqrt(cos2_theta_d_4), cos_half_phi_d), F_t = 1.0 - F_r;
     // 1 / (cos^2(theta_d) (cos theta_i + cos theta_o)); the surface term takes the sum out again.
-    vec4 common_factor = weight * slot_weight[g] * P[g] * M * cos_theta_i * 4.0 / (cos2_theta_d_4 * cos_sum);
-    vec4 theta_i = asin(clamp(t, -1.0, 1.0));
-    vec4 x_s = from_mean_s[g] + of_yarn(g, entry_kept.xy) * theta_i;
-    vec4 x_v = from_mean_v[g] + of_yarn(g, entry_kept.zw) * theta_i;
-    vec4 g_s = of_yarn(g, entry_amplitude.xy) * exp(-x_s * x_s * of_yarn(g, entry_q2.xy));
-    vec4 g_v = of_yarn(g, entry_amplitude.zw) * exp(-x_v * x_v * of_yarn(g, entry_q2.zw));
-    surface[g] += common_factor * cos_sum * F_r * sqrt(0.5 * cos2_half_phi_d_2) * g_s;
-    volume[g] += common_factor * (1.0 - F_r) * (1.0 - F_r) * (g_v + of_yarn(g, yarn_k_d));
+    vec4 front = weight * slot_weight[g] * LANES * P[g] * M * cos_theta_i / (0.25 * cos2_theta_d_4 * cos_sum);
+    vec4 theta_i = asin(t * 0.999999);  // rounding may have left t just outside -1..1
+    vec4 x_s = start_s[g] + slope_s[g] * theta_i, x_v = start_v[g] + slope_v[g] * theta_i;
+    surface[g] += front * cos_sum * F_r * cos_half_phi_d * amplitude_s[g] * exp2(-x_s * x_s);
+    volume[g] += front * F_t * F_t * (amplitude_v[g] * exp2(-x_v * x_v) + slot_k_d[g]);
 }
 
 vec3 sums;  // surface, volume of yarn 0, volume of yarn 1
@@ -122,7 +129,8 @@ void sum_group(int g) {
 
 vec4 fetch_node(int row, int column, float between) {
     int at = row * NODE_COLUMNS + column;
-    return mix(texelFetch(node_data, at), texelFetch(node_data, at + 1), between);
+    vec4 a = texelFetch(node_data, at), b = texelFetch(node_data, at + 1);
+    return a + between * (b - a);
 }
 
 vec3 L_shared(float cos_o, mat3 surface_from_world) {
@@ -135,7 +143,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
         vec4 light = texelFetch(entry_data, at + 1);  // radiance of the axis; width of its columns
         vec4 extra = texelFetch(entry_data, at + 2);
         entry_kept = extra;
-        entry_q2 = texelFetch(entry_data, at + 3);
+        entry_sharp = texelFetch(entry_data, at + 3);
         entry_amplitude = texelFetch(entry_data, at + 4);
         int rows = floatBitsToInt(head.w);
         int node = rows >> 8, last = node + (rows & 255);
@@ -203,9 +211,9 @@ vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
             float t = sin(theta), c = max(cos(theta), 3e-4);
             float limit = sin_limit(t, c, ca, sa);
             float cos_sum = c + c_o, sin_sum = t + t_o;
-            float cos2_theta_d_4 = max(cos_sum * cos_sum + sin_sum * sin_sum, 4e-7);
+            float cos_theta_d = 0.5 * sqrt(max(cos_sum * cos_sum + sin_sum * sin_sum, 4e-7));
             // cos(theta_i) of the integrand and of the solid angle, 1 / cos^2(theta_d)
-            float front = head.z * c * c * 4.0 / cos2_theta_d_4;
+            float front = head.z * c * c / (cos_theta_d * cos_theta_d);
             float front_v = front / cos_sum;
             int pair = 0;
             do {
@@ -225,12 +233,12 @@ vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
                 Q = gap * omega_o.z + 1e-20;
                 EACH_GROUP(add_P)
                 vec4 cos_phi_d = vec4(cp * phi_o.x + s * phi_o.y, cp * phi_o.x - s * phi_o.y, 0.0, 0.0);
-                vec4 M = D_masks(g_of_cos(cos_phi_d, inv_sigma2), vec4(cp), vec4(max(phi_o.x, 0.0)));
-                vec4 half_phi = max(1.0 + cos_phi_d, 0.0);
-                vec4 F_r = F_slots(vec4(F_0), vec4(cos2_theta_d_4), half_phi);
+                vec4 M = D_masks(g_of_cos(cos_phi_d, log2_e_over_sigma2), vec4(cp), vec4(max(phi_o.x, 0.0)));
+                vec4 cos_half_phi_d = sqrt(max(0.5 + 0.5 * cos_phi_d, 0.0));
+                vec4 F_r = F_slots(vec4(F_0), vec4(cos_theta_d), cos_half_phi_d);
                 float P_t = mix(psi * psi_o, min(psi, psi_o), g_own);
                 vec2 R = rule.y / cp * P_t * M.xy / vec2(Q_1, Q);
-                vec2 r_s = front * lobe.y * R * F_r.xy * sqrt(0.5 * half_phi.xy);
+                vec2 r_s = front * lobe.y * R * F_r.xy * cos_half_phi_d.xy;
                 vec2 r_v = front_v * lobe.z * R * (1.0 - F_r.xy) * (1.0 - F_r.xy);
                 vec3 E_1 = pooled_radiance(omega_1 * surface_from_world);
                 vec3 E_2 = pooled_radiance(omega_2 * surface_from_world);
@@ -249,5 +257,5 @@ vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
     cos_psi_o = omega_o.z * inv;
 #define SEE(g) see_group(g, omega_o)
     EACH_GROUP(SEE)
-    return L_shared(omega_o.z, surface_from_world) + L_pooled(omega_o, surface_from_world);
+    return L_shared(omega_o.z, surface_from_world) POOLED(+ L_pooled(omega_o, surface_from_world));
 }
