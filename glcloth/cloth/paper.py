@@ -17,6 +17,7 @@ from ..tables import azimuth_texels, check_parameters, slice_index, slices, tabl
 from .settings import Settings
 
 AZIMUTH_UNIT, XI_UNIT, O_UNIT, INDEX_UNIT = 8, 9, 10, 11
+DEEPEST = 2048  # slices of a 3D texture that every OpenGL 4.3 takes
 # Loop iterations of one invocation, below llvmpipe's silent end at 65,535.
 MOST_ITERATIONS = 50_000
 
@@ -56,13 +57,12 @@ class Paper:
         self._fabric = fabric
 
     def _upload(self, tables) -> None:
-        limit = min(int(self._ctx.info["GL_MAX_3D_TEXTURE_SIZE"]), 2048)
         kind = texel_type(tables)
         for texture in self._textures:
             texture.release()
         self._textures = []
         for side in (tables.xi, tables.o):
-            volume, *self._tiling = tiled(slices(side), limit)
+            volume, *self._tiling = tiled(slices(side), DEEPEST)
             self._textures.append(_volume(self._ctx, volume, kind))
         first = slice_index(tables)
         index = np.zeros((int(constant("MAX_TANGENTS")) + first.size, 4), "f4")

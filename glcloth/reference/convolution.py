@@ -35,22 +35,29 @@ def T_W(t, xi, omega_o, sharpness, tangents, weights, gap, sigma, panels=24):
     axes = np.stack(tangent_axes(yarn, np.cos(tilt), np.sin(tilt)))
     theta_k, phi_k = angles(axes @ np.asarray(xi, float))
     width = np.sqrt(2 / max(sharpness, 1e-3))
-    theta, w_theta = graded(-np.pi / 2, np.pi / 2, [theta_k], [width], panels)
-    with np.errstate(divide="ignore", over="ignore"):
-        limit = np.arccos(np.clip(np.tan(theta) * np.tan(tilt), -1, 1))
-    limit = np.minimum(limit, np.pi / 2)
 
-    def integral(limit, weight):
-        near = np.clip(phi_k, -limit, limit)[:, None]
+    def integral(lo, hi, reach, weight):
+        theta, w_theta = graded(lo, hi, [np.clip(theta_k, lo, hi), lo, hi], [width, 0.2, 0.2], panels)
+        limit = reach(theta)
+        near = np.clip(phi_k, -limit, limit)
         widths = np.broadcast_to([width, 0.3, 0.3], (len(theta), 3))
-        phi, w_phi = graded(-limit, limit, np.concatenate([near, -limit[:, None], limit[:, None]], 1), widths, panels)
+        phi, w_phi = graded(-limit, limit, np.stack([near, -limit, limit], -1), widths, panels)
         s, c = np.sin(theta)[:, None], np.cos(theta)[:, None]
         local = np.stack(np.broadcast_arrays(s, c * np.sin(phi), c * np.cos(phi)), -1)
         G = np.exp(-sharpness / 2 * np.sum((local - axes @ xi) ** 2, -1))
         return np.sum(w_theta[:, None] * w_phi * c * G * weight(local @ axes))
 
-    lit = integral(limit, lambda omega_i: W(t, omega_i, omega_o, tangents, weights, gap, sigma))
-    return lit / integral(np.full_like(theta, np.pi / 2), lambda omega_i: 1.0)
+    def above_N(theta):
+        """z = -sin(theta) sin(tilt) + cos(theta) cos(phi) cos(tilt) > 0"""
+        return np.arccos(np.clip(np.tan(theta) * np.sin(tilt) / max(np.cos(tilt), 1e-12), 0, 1))
+
+    lit = integral(
+        -np.pi / 2 - min(tilt, 0),
+        np.pi / 2 - max(tilt, 0),
+        above_N,
+        lambda omega_i: W(t, omega_i, omega_o, tangents, weights, gap, sigma),
+    )
+    return lit / integral(-np.pi / 2, np.pi / 2, lambda theta: np.full_like(theta, np.pi / 2), lambda omega_i: 1.0)
 
 
 def I_terms(xi, omega_o, sharpness, eta, k_d, gamma_s, gamma_v, segments):

@@ -37,5 +37,8 @@ def hat(u, step):
 def hat_integral(before, here, after, u, gaussian, step):
     """`hat` where the step is small, and the second difference of twice_integrated, which equals it, elsewhere."""
     before, here, after, u, gaussian, step = (np.asarray(x, float) for x in (before, here, after, u, gaussian, step))
-    small = hat(u, step) * gaussian / np.exp(-(u**2))  # gaussian is exp(-u^2) wherever the shader calls this
-    return np.where(step < 0.2, small, (before - 2 * here + after) / step)
+    second_difference = (before - 2 * here + after) / step
+    small = step < 0.2
+    # Where the shader calls this, gaussian is exp(-u^2), and the quotient 1.
+    scale = gaussian / np.exp(-np.where(small, u, 0.0) ** 2)
+    return np.where(small, hat(u, step) * scale, second_difference)
