@@ -29,6 +29,8 @@ _PUBLIC = {
     "save_fabric": "fabric",
     "save_mesh": "mesh",
     "save_scene": "scene",
+    "tables_for": "tables",
+    "tables_report": "tables",
     "write_image": "image",
 }
 __all__ = ["__version__", *_PUBLIC]

@@ -158,7 +158,7 @@ def azimuth_texels() -> np.ndarray:
 # -- reports ---------------------------------------------------------------------------------------------------------
 
 
-def report(fabric: Fabric | str, tables: Tables) -> dict:
+def tables_report(fabric: Fabric | str, tables: Tables) -> dict:
     """What the tables of a fabric cost and hold, as plain values for JSON.
 
     seconds to make (0 if they came from the cache), bytes on the GPU (T's, and T_l's beside it), the sharpness of the
@@ -222,7 +222,7 @@ def main(
     results = {}
     for name, fabric in zip(fabrics, loaded, strict=True):
         tables = tables_for(fabric, grid, contribution)
-        results[str(name)] = report(fabric, tables)
+        results[str(name)] = tables_report(fabric, tables)
         if folder is not None:
             path = folder / f"{Path(name).stem}.npz"
             save_tables(path, tables)
@@ -242,7 +242,7 @@ def bench(fabrics: Sequence[str] = (), grid: int = 48, contribution: float = 0.9
     out, lines = {}, []
     for name in fabrics or builtin_fabrics():
         fabric = load_fabric(name)
-        facts = report(fabric, compute_tables(fabric, grid, contribution))
+        facts = tables_report(fabric, compute_tables(fabric, grid, contribution))
         ranks = {f"yarn {t['yarn']}, {t['tilt_deg']:.4g} degrees": t["ranks"] for t in facts["tangents"]}
         out[str(name)] = {"seconds": facts["seconds"], "bytes": facts["bytes"], "ranks": ranks}
         lines += lines_of(facts)

@@ -257,7 +257,7 @@ def test_slices_hold_the_factors(skew):
 
 
 def test_the_report_adds_up():
-    facts = tables.report("linen", precompute.compute_tables(load_fabric("linen"), 8))
+    facts = tables.tables_report("linen", precompute.compute_tables(load_fabric("linen"), 8))
     ranks = np.array(facts["tangents"][0]["ranks"])
     assert facts["bytes"] == 2 * 16 * 64 * np.sum(-(-ranks // 4)) and facts["seconds"] > 0
     assert len(facts["tangents"]) == 4 and len(facts["sharpness"]) == len(ranks)
