@@ -14,7 +14,7 @@ from cyclopts import App, CycloptsError, Parameter
 from . import __version__
 from .errors import InputError, NoOpenGLError, ShaderError
 from .files import check_writable
-from .progress import say
+from .progress import say, track
 
 app = App(
     name="glcloth", help="Woven cloth as it really looks, on OpenGL.", version=__version__, help_format="plaintext"
@@ -122,6 +122,53 @@ def render(
         "gl_renderer": gl,
     }
     _print(json, result, f"{output}: {frame.fabric.name}, method {chosen.method}, {seconds:.1f} s on {gl}")
+
+
+@app.command
+def animate(
+    scene: str | None = None,
+    /,
+    *,
+    output: Annotated[Path, _output("Video (.mp4), or frames such as frames/%04d.png or .exr.")],
+    frames: Annotated[int, Parameter(help="Frames of the whole sequence.")] = 120,
+    start: Annotated[int, Parameter(help="First frame to render; earlier ones are kept.")] = 0,
+    rate: Annotated[int, Parameter(help="Frames per second of a video.")] = 24,
+    options: SceneOptions | None = None,
+    device: Device = None,
+    json: Json = False,
+) -> None:
+    """Render a sequence: one turn of the camera around the cloth.
+
+    Parameters
+    ----------
+    scene
+        Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
+    """
+    from . import animate as sequence
+    from .renderer import Renderer
+
+    chosen = _scene(scene, options)
+    if not 1 <= frames <= 100_000 or not 0 <= start < frames:
+        raise InputError(f"--frames {frames} --start {start}: expected 1 to 100000 frames and a start below that")
+    if not 1 <= rate <= 240:
+        raise InputError(f"--rate {rate}: expected 1 to 240 frames per second")
+    video = sequence.check_sequence(output, chosen.size)
+    if video and start:
+        raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
+    begin = time.perf_counter()
+    with Renderer(device) as renderer:
+        pictures = sequence.turntable(renderer, renderer.prepare(chosen), frames, start)
+        look = chosen.exposure, chosen.view_transform
+        if video:
+            written = sequence.write_video(pictures, output, rate, *look)
+        else:
+            settings = {"glcloth": __version__, "scene": chosen.model_dump(mode="json")}
+            written = sequence.write_frames(pictures, str(output), start, settings, *look)
+        for _ in track(written, f"{output}: frames", frames - start):
+            pass
+    seconds = time.perf_counter() - begin
+    result = {"file": str(output), "frames": frames - start, "seconds": round(seconds, 3)}
+    _print(json, result, f"{output}: {frames - start} frames, {seconds / (frames - start):.2f} s each")
 
 
 @app.command

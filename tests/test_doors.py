@@ -248,3 +248,17 @@ def test_ctrl_c_leaves_no_file(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(renderer.Renderer, "draw", interrupted)
     assert run("render", "-o", tmp_path / "a.png", *QUICK) == 130
     assert list(tmp_path.iterdir()) == []
+
+
+def test_animate_writes_whole_frames_and_resumes(tmp_path, capsys):
+    pattern = tmp_path / "frames/%03d.exr"
+    assert run("animate", "-o", pattern, *QUICK, "--frames", "3", "--json") == 0
+    assert json.loads(capsys.readouterr().out)["frames"] == 3
+    names = sorted(p.name for p in pattern.parent.iterdir())
+    assert names == ["000.exr", "001.exr", "002.exr"]
+    last = read_image(pattern.parent / "002.exr")
+    (pattern.parent / "002.exr").unlink()
+    assert run("animate", "-o", pattern, *QUICK, "--frames", "3", "--start", "2") == 0
+    assert np.array_equal(read_image(pattern.parent / "002.exr"), last)
+    assert "%04d" in fails(capsys, "animate", "-o", tmp_path / "a.png", *QUICK)
+    assert "start" in fails(capsys, "animate", "-o", pattern, *QUICK, "--frames", "3", "--start", "3")

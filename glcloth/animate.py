@@ -1,0 +1,92 @@
+"""Sequences: pictures one after the other, written as numbered frames or as a video."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from .camera import Camera
+from .color import view
+from .environment import rotation_y
+from .errors import InputError
+from .files import atomic_write, check_writable
+from .image import check_output, write_image
+from .renderer import Frame, Renderer
+
+VIDEO = (".mp4",)
+
+
+def orbit(camera: Camera, degrees: float) -> Camera:
+    """The camera turned about the vertical through its target; positive is counter-clockwise seen from above."""
+    turned = np.array(camera.target) + rotation_y(degrees) @ np.subtract(camera.eye, camera.target)
+    return replace(camera, eye=tuple(turned))
+
+
+def turntable(renderer: Renderer, frame: Frame, count: int, start: int = 0) -> Iterator[np.ndarray]:
+    """Yield the pictures `start` to `count` - 1 of one full turn of the camera; frame `count` would be frame 0 again."""
+    for i in range(start, count):
+        yield renderer.render_frame(replace(frame, camera=orbit(frame.camera, 360.0 * i / count)))
+
+
+def frame_name(pattern: str, number: int) -> Path:
+    """The file of one frame of a pattern such as frames/%04d.png."""
+    return Path(re.sub(r"%0?(\d*)d", lambda match: f"{number:0{match[1] or 1}d}", pattern))
+
+
+def check_sequence(output: Path, size: tuple[int, int]) -> bool:
+    """Return True if `output` is a video, False if it is a pattern of frames; make the folder of the frames.
+
+    Raises InputError for a name that is neither, a folder that cannot be written, an odd size or a missing PyAV.
+    """
+    text = str(output)
+    if output.suffix.lower() in VIDEO:
+        check_writable(output)
+        if size[0] % 2 or size[1] % 2:
+            raise InputError(f"{output}: size {size[0]}x{size[1]}: video needs even sides; choose an even --size")
+        try:
+            import av  # noqa: F401
+        except ImportError:
+            raise InputError(
+                f"{output}: video needs PyAV: pip install 'glcloth[video]'; or write frames/%04d.png"
+            ) from None
+        return True
+    if len(re.findall(r"%0?\d*d", output.name)) != 1:
+        raise InputError(f"{text}: expected a video (.mp4) or frames with their number, such as frames/%04d.png")
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{output.parent}: cannot be made ({error.strerror}); choose another folder") from None
+    check_output(frame_name(text, 0))
+    return False
+
+
+def write_frames(
+    pictures: Iterable[np.ndarray], pattern: str, start: int, settings: dict, exposure: float, transform: str
+):
+    """Write numbered pictures, each whole or not at all; yields after each, so that the caller can show progress."""
+    for number, picture in enumerate(pictures, start):
+        path = frame_name(pattern, number)
+        write_image(path, picture, {**settings, "frame": number}, exposure=exposure, view_transform=transform)
+        yield path
+
+
+def write_video(pictures: Iterable[np.ndarray], path: Path, rate: int, exposure: float, transform: str):
+    """Write an H.264 video, whole or not at all; yields after each frame."""
+    import av
+
+    with atomic_write(path) as temporary, av.open(str(temporary), "w") as container:
+        stream = None
+        for picture in pictures:
+            code = np.round(255 * view(picture[..., :3], transform, exposure)).astype(np.uint8)
+            if stream is None:
+                stream = container.add_stream("libx264", rate=rate, options={"crf": "16", "preset": "medium"})
+                stream.height, stream.width = code.shape[:2]
+                stream.pix_fmt = "yuv420p"
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(code, "rgb24")))
+            yield path
+        if stream is not None:
+            container.mux(stream.encode())
