@@ -52,9 +52,11 @@ vec4 hit_triangle(vec3 a, vec3 b, vec3 c, vec3 shear) {
     float V = edge_function(A, C);
     float W = edge_function(B, A);
     float determinant = U + V + W;
-    if (min(U, min(V, W)) < 0.0 && max(U, max(V, W)) > 0.0 || determinant == 0.0) return vec4(-1.0, 0.0, 0.0, 0.0);
-    float inverse = 1.0 / determinant;
-    return vec4((U * a.z + V * b.z + W * c.z) * shear.z * inverse, V * inverse, W * inverse, 0.5 * determinant);
+    bool miss = min(U, min(V, W)) < 0.0 && max(U, max(V, W)) > 0.0 || determinant == 0.0;
+    // No branch: the lanes of a SIMD vector seldom agree here.
+    float inverse = miss ? 0.0 : 1.0 / determinant;
+    float t = (U * a.z + V * b.z + W * c.z) * shear.z * inverse;
+    return vec4(miss ? -1.0 : t, V * inverse, W * inverse, miss ? 0.0 : 0.5 * determinant);
 }
 
 // [Zhou et al. 2008, section 3.1]  The box of the part of a triangle on one side of the plane dot(p, n) = plane
