@@ -1,0 +1,54 @@
+#version 430
+// Fills the picture from every second pixel of every second row, and leaves depth 0 where that is not good enough.   [own]
+#include "passes/gbuffer.glsl"
+layout(binding = 5) uniform sampler2D coarse;
+uniform float tolerance;   // estimated relative error of luminance above which a pixel is shaded itself
+uniform float bend_limit;  // sine of the angle between neighbours' normals above which a lobe could hide between them
+out vec4 color;
+
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
+
+vec4 coarse_at(ivec2 p) {
+    return texelFetch(coarse, clamp(p, ivec2(0), textureSize(coarse, 0) - 1), 0);
+}
+
+vec4 frame_at(ivec2 coarse_pixel) {
+    return texelFetch(frame_N, min(2 * coarse_pixel, textureSize(frame_N, 0) - 1), 0);
+}
+
+// The value half way between `low` and low + d by the two before and the two behind it; alpha < 0: not to be trusted.
+vec4 between(ivec2 low, ivec2 d, vec4 N) {
+    vec4 a = coarse_at(low), b = coarse_at(low + d), before = coarse_at(low - d), after = coarse_at(low + 2 * d);
+    // Beyond an edge of the cloth the curve goes on as it came.
+    vec4 bend = before.a > 0.0 ? before - 2.0 * a + b : after.a > 0.0 ? a - 2.0 * b + after : vec4(0.0);
+    if (before.a == 0.0) before = 2.0 * a - b + bend;
+    if (after.a == 0.0) after = 2.0 * b - a + bend;
+    vec4 bend_a = before - 2.0 * a + b, bend_b = a - 2.0 * b + after;
+    vec4 middle = 0.5 * (a + b) - (bend_a + bend_b) / 16.0;
+    float l_a = dot(a.rgb, LUMINANCE), l_b = dot(b.rgb, LUMINANCE);
+    float doubt = max(abs(dot(bend_a.rgb, LUMINANCE)), abs(dot(bend_b.rgb, LUMINANCE))) / 16.0;
+    vec4 N_a = frame_at(low), N_b = frame_at(low + d);
+    // The normal itself is known everywhere. Radiance follows it, so what the normal is off its neighbours' mean, in
+    // units of their difference, says what interpolation misses of the radiance's difference.
+    vec3 step_N = N_b.xyz - N_a.xyz, off = N.xyz - 0.5 * (N_a.xyz + N_b.xyz);
+    float missed = abs(l_a - l_b) * length(off) / (length(step_N) + 1e-4);
+    bool same = N_a.w == N.w && N_b.w == N.w;
+    bool good = same && dot(step_N, step_N) < bend_limit * bend_limit && dot(off, off) < 0.04 * bend_limit * bend_limit
+        && max(doubt, missed) <= tolerance * min(l_a, l_b);
+    return vec4(max(middle.rgb, min(a.rgb, b.rgb) * 0.5), good ? a.a : -1.0);
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy), odd = pixel & 1, low = pixel >> 1;
+    vec4 N = texelFetch(frame_N, pixel, 0);
+    // Between two neighbours the line through them, between four both diagonals.
+    bool diagonal = odd.x + odd.y == 2;
+    vec4 first = between(low, odd, N);
+    vec4 second = between(diagonal ? low + ivec2(0, 1) : low, diagonal ? ivec2(1, -1) : odd, N);
+    bool exact = odd.x + odd.y == 0, covered = N.w != 0.0;
+    vec4 mean = 0.5 * (first + second);
+    float apart = abs(dot(first.rgb - second.rgb, LUMINANCE));
+    bool good = min(first.a, second.a) > 0.0 && apart <= 4.0 * tolerance * dot(mean.rgb, LUMINANCE);
+    color = covered ? (exact ? coarse_at(low) : vec4(mean.rgb, first.a)) : vec4(0.0);
+    gl_FragDepth = covered && !exact && !good ? 0.0 : 1.0;
+}
