@@ -124,35 +124,48 @@ vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
     return I;
 }
 
+// The factors of T and I for one tangent under all Gaussians of this pass, summed.   [Miz 8]
+// do-while: Mesa's software rasteriser runs the body of a for loop once more than it counts.
+vec3 L_tangent(int t, int j, Yarn yarn, vec3 omega_o, mat3 surface_from_world) {
+    Tangent tangent = fetch_tangent(t);
+    vec3 local_o = tangent_from_surface(omega_o, j, tangent.cos_tilt, tangent.sin_tilt);
+    if (local_o.z <= 0.0) return vec3(0.0);
+    Angles o = angles(local_o);
+    vec3 placement = texelFetch(weight_index, t).xyz;
+    vec2 at_o = vec2(node_coordinate(unit_from_half_circle(placement.z * o.phi), grid),
+        node_coordinate(unit_from_half_circle(placement.y * o.theta), grid));
+    vec3 sum = vec3(0.0);
+    int n = lobe_range.x;
+    do {
+        Gaussian light = fetch_gaussian(n);
+        vec3 local_k = tangent_from_surface(surface_from_world * light.xi, j, tangent.cos_tilt, tangent.sin_tilt);
+        Angles k = angles(local_k);
+        float phi_k = placement.z * k.phi;
+        float circle = unit_from_circle(phi_k, inner);
+        vec2 at_xi = vec2(node_coordinate(0.5 + 0.5 * (phi_k < 0.0 ? -circle : circle), grid),
+            node_coordinate(unit_from_half_circle(placement.y * k.theta), grid));
+        float level = level_from_sharpness(light.sharpness, SHARPNESS_FIRST, SHARPNESS_LAST, float(LEVELS));
+        // Truncated factors may dip below zero where T is zero.
+        float T = max(fetch_T_W(int(placement.x), at_xi, at_o, level), 0.0);
+        vec2 I = I_terms(k, light.sharpness, o, yarn);
+        sum += T * (I.x + yarn.A * I.y) * light.L;
+        ++n;
+    } while (n < lobe_range.y);
+    return tangent.weight * sum;
+}
+
 vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
     vec3 sum = L_suns(omega_o, surface_from_world);
-    int first = 0;
+    if (lobe_range.x >= lobe_range.y) return sum;
+    int t = 0;
+    int last = 0;
     for (int j = 0; j < 2; ++j) {
         Yarn yarn = fetch_yarn(j);
-        for (int t = first; t < first + tangent_count[j]; ++t) {
-            Tangent tangent = fetch_tangent(t);
-            vec3 local_o = tangent_from_surface(omega_o, j, tangent.cos_tilt, tangent.sin_tilt);
-            if (local_o.z <= 0.0) continue;
-            Angles o = angles(local_o);
-            vec3 placement = texelFetch(weight_index, t).xyz;
-            vec2 uv_o = vec2(node_coordinate(unit_from_half_circle(placement.z * o.phi), grid),
-                node_coordinate(unit_from_half_circle(placement.y * o.theta), grid));
-            for (int n = lobe_range.x; n < lobe_range.y; ++n) {
-                Gaussian light = fetch_gaussian(n);
-                vec3 local_k = tangent_from_surface(surface_from_world * light.xi, j, tangent.cos_tilt, tangent.sin_tilt);
-                Angles k = angles(local_k);
-                float phi_k = placement.z * k.phi;
-                float circle = unit_from_circle(phi_k, inner);
-                vec2 uv_k = vec2(node_coordinate(0.5 + 0.5 * (phi_k < 0.0 ? -circle : circle), grid),
-                    node_coordinate(unit_from_half_circle(placement.y * k.theta), grid));
-                float level = level_from_sharpness(light.sharpness, SHARPNESS_FIRST, SHARPNESS_LAST, float(LEVELS));
-                // Truncated factors may dip below zero where T is zero.
-                float T = max(fetch_T_W(int(placement.x), uv_k, uv_o, level), 0.0);
-                vec2 I = I_terms(k, light.sharpness, o, yarn);
-                sum += tangent.weight * T * (I.x + yarn.A * I.y) * light.L;
-            }
-        }
-        first += tangent_count[j];
+        last += tangent_count[j];
+        do {
+            sum += L_tangent(t, j, yarn, omega_o, surface_from_world);
+            ++t;
+        } while (t < last);
     }
     return sum;
 }
