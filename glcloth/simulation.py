@@ -9,14 +9,14 @@ run. Within its line an invocation goes from end to end, which carries a pull do
 needs one load and one store per vertex. Stretch and shear are springs (N/m) along the yarns and the diagonals; bending
 is the quadratic energy of isometric bending along both yarns (N m). Self-contact keeps the vertices `gap` apart; with
 spacing <= gap <= 2 spacing no layer passes through another. The lists of near vertices come from a spatial hash whose
-buckets are sorted, so that they do not depend on the order of atomic operations either.
+buckets are sorted, so that they do not depend on the order of atomic operations either; or from the vertex's own row.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
@@ -73,7 +73,9 @@ class ClothParameters:
     stretch, shear: stiffness of the sheet along the yarns and on the bias, N/m (inf = does not give). bending: rigidity
     of the sheet along a yarn, N m. damping: share of the velocity lost per second, 1/s. drag: coefficients (across,
     along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap:
-    kept between the cloth's own vertices, m (0 = no self-contact). hem: factor on the mass of the last row.
+    kept between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only
+    those of one row, at most so many columns apart. hem: factor on the mass of the last row. air_substeps: for how many
+    substeps the air's force serves.
     """
 
     spacing: tuple[float, float]
@@ -86,10 +88,12 @@ class ClothParameters:
     friction: float = 0.3
     thickness: float = 0.003
     gap: float = 0.0
+    contact_columns: int = 0
     hem: float = 1.0
     gravity: tuple[float, float, float] = (0.0, -9.81, 0.0)
     substeps: int = 10
-    speed_limit: float = field(default=10.0)
+    air_substeps: int = 10
+    speed_limit: float = 10.0
 
     def __post_init__(self):
         positive = {"spacing": min(self.spacing), "mass": self.mass, "hem": self.hem, "speed_limit": self.speed_limit}
@@ -102,13 +106,18 @@ class ClothParameters:
                 raise InputError(f"cloth: {name} = {getattr(self, name)}, must be >= 0; change it")
         if min(self.drag) < 0:
             raise InputError(f"cloth: drag = {self.drag}, must be >= 0; change it")
-        if self.gap and not max(self.spacing) <= self.gap <= 2 * min(self.spacing):
+        # Between rows nothing is looked at when contact_columns is set: then only the spacing in a row matters.
+        widest, narrowest = (self.spacing[0],) * 2 if self.contact_columns else (max(self.spacing), min(self.spacing))
+        if self.gap and not widest <= self.gap <= 2 * narrowest:
             raise InputError(
                 f"cloth: gap = {self.gap} m, must be 0 or between the spacing and twice the spacing {self.spacing}; "
                 "change it or the number of vertices"
             )
-        if self.substeps < 1:
-            raise InputError(f"cloth: substeps = {self.substeps}, must be 1 or more; change it")
+        if self.contact_columns < 0:
+            raise InputError(f"cloth: contact_columns = {self.contact_columns}, must be >= 0; change it")
+        for name in ("substeps", "air_substeps"):
+            if getattr(self, name) < 1:
+                raise InputError(f"cloth: {name} = {getattr(self, name)}, must be 1 or more; change it")
 
 
 class Cloth:
@@ -118,8 +127,6 @@ class Cloth:
     `normal_buffer`, `tangent_buffer` (w = 1), the last two after `update_frames()`.
     """
 
-    # The air's force is computed every so many substeps.
-    AIR_SUBSTEPS = 5
     # Self-contact lists are made every so many substeps, and hold what is nearer than LIST_REACH gaps.
     LIST_SUBSTEPS = 4
     LIST_REACH = 1.6
@@ -159,8 +166,9 @@ class Cloth:
         # Four-byte words of each buffer, by the name of its block in the passes.
         words = {"Position": 4 * V, "Previous": 4 * V, "Velocity": 4 * V, "Air": 4 * V, "AirForce": 8 * self.quad_count}
         words |= {"Eliminated": 2 * V, "Normal": 4 * V, "Tangent": 4 * V, "Contact": 4 * V if parameters.gap else 4}
-        if parameters.gap:
+        if parameters.gap and not parameters.contact_columns:
             words |= {"Count": self.table_size, "Begin": self.table_size, "Cursor": self.table_size, "Member": V}
+        if parameters.gap:
             words |= {"Near": V * CONSTANTS["MAX_NEAR"], "NearCount": V, "Overflow": 1}
         self._buffers = {name: ctx.buffer(bytes(4 * count)) for name, count in words.items()}
         self.position_buffer = self._buffers["Position"]
@@ -212,11 +220,11 @@ class Cloth:
         finish, both, begin = (self._advance(*ends, values) for ends in ((1, 0), (1, 1), (0, 1)))
         for k in range(m.substeps):
             # The air changes slowly: its force serves several substeps, limited as one step of that length.
-            if k % self.AIR_SUBSTEPS == 0:
+            if k % m.air_substeps == 0:
                 if k > 0:
                     self._run(finish, ADVANCE, self.vertex_count)
                 if max(m.drag) > 0:
-                    self._air(h * min(self.AIR_SUBSTEPS, m.substeps - k))
+                    self._air(h * min(m.air_substeps, m.substeps - k))
                 self._run(begin, ADVANCE, self.vertex_count)
             else:
                 self._run(both, ADVANCE, self.vertex_count)
@@ -269,8 +277,14 @@ class Cloth:
 
     def _contact(self, V: int) -> None:
         m = self.parameters
-        if self.substeps_done % self.LIST_SUBSTEPS == 0:
-            table = {"table_size": self.table_size, "cell_size": self.LIST_REACH * m.gap, "vertex_count": V}
+        reach = self.LIST_REACH * m.gap
+        if m.contact_columns and self.substeps_done % (2 * self.LIST_SUBSTEPS) == 0:
+            self._run(
+                self._program("near_rows"), "Position Near NearCount Overflow", V, vertex_count=V,
+                columns=self.columns, window=m.contact_columns, reach=reach,
+            )  # fmt: skip
+        elif not m.contact_columns and self.substeps_done % self.LIST_SUBSTEPS == 0:
+            table = {"table_size": self.table_size, "cell_size": reach, "vertex_count": V}
             self._run(self._program("count"), "Position Count", V, **table)
             self._run(self._program("scan"), "Count Begin Cursor", 1, **table)
             self._run(self._program("fill"), "Position Cursor Member", V, **table)

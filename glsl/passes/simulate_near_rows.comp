@@ -1,0 +1,37 @@
+#version 430
+// Lists for each vertex the near vertices of its own row that are not its neighbours: for a cloth whose rows stay rows
+// (a curtain, whose pleats meet side by side), much cheaper than looking in all directions. One invocation per vertex.
+#include "simulate/shared.glsl"
+layout(local_size_x = 64) in;
+layout(std430, binding = 0) readonly buffer Position { vec4 x[]; };
+layout(std430, binding = 1) writeonly buffer Near { int near[]; };       // MAX_NEAR slots per vertex
+layout(std430, binding = 2) writeonly buffer NearCount { int near_count[]; };
+layout(std430, binding = 3) buffer Overflow { int overflow; };           // the longest list asked for, if too long
+uniform int vertex_count;
+uniform int columns;
+uniform int window;      // columns to look at on either side
+uniform float reach;     // m
+
+void main() {
+    int index = int(gl_GlobalInvocationID.x);
+    if (index >= vertex_count) {
+        return;
+    }
+    vec3 here = x[index].xyz;
+    int row = index / columns * columns;
+    int j = index - row;
+    int found = 0;
+    for (int k = max(0, j - window); k <= min(columns - 1, j + window); k++) {
+        vec3 e = x[row + k].xyz - here;
+        if (abs(k - j) > 1 && dot(e, e) < reach * reach) {
+            if (found < MAX_NEAR) {
+                near[index * MAX_NEAR + found] = row + k;
+            }
+            found++;
+        }
+    }
+    near_count[index] = min(found, MAX_NEAR);
+    if (found > MAX_NEAR) {
+        atomicMax(overflow, found);
+    }
+}
