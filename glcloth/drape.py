@@ -26,10 +26,11 @@ TURN_DEG = 42.0  # of the cloth on the table
 SOLIDS = (Box((0.0, -0.35, -0.6), (1.2, 0.35, 0.65), 0.03), Sphere((-0.04, 0.15, -0.16), 0.19))
 CENTER = (0.03, 0.36, 0.2)  # m, of the flat cloth before it falls
 FRAMES_PER_SECOND = 60
-SETTLE = 0.7  # s at the end in which strong damping brings the cloth to rest
+SETTLE = 0.7  # s at the end in which strong damping brings the cloth to rest ...
+RELAX = 0.25  # ... and s after that, with little friction, in which threads that the table's edge holds taut give way
 
 
-def drape(ctx: moderngl.Context, vertices: int = 128, samples: int = 150, seconds: float = 4.0) -> Mesh:
+def drape(ctx: moderngl.Context, vertices: int = 168, samples: int = 150, seconds: float = 4.0) -> Mesh:
     """Return the draped cloth with (samples - 1)^2 * 2 triangles, simulated with vertices x vertices for `seconds`.
 
     Raises InputError for counts or a time that make no cloth, and RuntimeError if contacts were lost.
@@ -48,19 +49,23 @@ def drape(ctx: moderngl.Context, vertices: int = 128, samples: int = 150, second
         spacing=(spacing, spacing),
         mass=0.15,
         stretch=1e4,
-        bending=2e-5,
+        bending=4e-5,
         friction=0.5,
         damping=1.5,
         gap=1.05 * spacing,
         substeps=20,
+        air_substeps=5,
         speed_limit=2.0,
     )
     settling = dataclasses.replace(falling, damping=15.0, friction=0.4)
+    relaxing = dataclasses.replace(settling, friction=0.15)
     cloth = Cloth(ctx, falling, flat, SOLIDS)
     try:
         frames = max(1, round(seconds * FRAMES_PER_SECOND))
-        for frame in track(range(frames), "draping"):
-            if frame >= frames - SETTLE * FRAMES_PER_SECOND:
+        for frame in track(range(frames + round(RELAX * FRAMES_PER_SECOND)), "draping"):
+            if frame >= frames:
+                cloth.parameters = relaxing
+            elif frame >= frames - SETTLE * FRAMES_PER_SECOND:
                 cloth.parameters = settling
             cloth.step(1.0 / FRAMES_PER_SECOND)
         if lost := cloth.contacts_lost():
