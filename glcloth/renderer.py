@@ -12,6 +12,7 @@ import numpy as np
 
 from . import shader
 from .camera import Camera
+from .cloth.adaptive import AdaptiveRate
 from .cloth.brute import Reference
 from .cloth.direct import Direct
 from .cloth.paper import Paper
@@ -81,6 +82,7 @@ class Renderer:
         self._meshes: dict[int, MeshBuffers] = {}
         self._fit: tuple | None = None  # environment, lobes, lights
         self._files: dict = {}
+        self._adaptive: AdaptiveRate | None = None
         self._gbuffer: GBuffer | None = None
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}  # the one used last is the last
         self._background: tuple[Environment, moderngl.Texture] | None = None
@@ -199,6 +201,10 @@ class Renderer:
         buffer.clear_color()
         passes = list(method.passes())
         jobs = [(offset, uniforms) for offset in sample_offsets(scene.spp) for uniforms in passes]
+        if scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1:
+            self._shade_adaptively(buffer, mesh, method, program, frame)
+            yield 1, 1
+            jobs = []
         drawn = None
         for done, (offset, uniforms) in enumerate(track(jobs, what) if what and len(jobs) > 1 else jobs):
             if offset != drawn:
@@ -219,6 +225,17 @@ class Renderer:
                 yield done + (first >= scene.size[1]), len(jobs)
         if scene.background:
             self.draw_background(frame)
+
+    def _shade_adaptively(self, buffer: GBuffer, mesh: MeshBuffers, method, program, frame: Frame) -> None:
+        """One pixel in four, and the others where their neighbours differ; `high` and spp > 1 shade every pixel."""
+        if self._adaptive is None:
+            self._adaptive = AdaptiveRate(self.ctx)
+        buffer.draw(mesh, frame.camera)
+        self.shared.bind(program)
+        method.bind(program)
+        shader.set_uniforms(program, pass_weight=1.0, pass_cover=1.0)
+        narrowest = min(yarn.gamma_s_deg for yarn in frame.fabric.yarn)
+        self._adaptive.shade(buffer, program, float(np.radians(narrowest)))
 
     def radiance(
         self,
