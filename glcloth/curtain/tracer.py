@@ -24,6 +24,7 @@ from ..gpu import TextureBuffer
 from ..progress import track
 from .accel import RAYS_UNIT, RayQueries, make_structure
 from .energy import mean_albedo, reflection_limit
+from .layers import LayersPicture
 from .lighting import Lighting
 from .triangles import PADDING, Triangles
 
@@ -134,6 +135,7 @@ class Tracer:
         self._fabric = FabricBuffer(ctx)
         self._environment: tuple[Environment | None, moderngl.Texture | None] = (None, None)
         self.triangles: Triangles | None = None
+        self._layers: LayersPicture | None = None
 
     # -- the scene -----------------------------------------------------------------------------------------------
 
@@ -215,10 +217,7 @@ class Tracer:
         offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `spp` points
         """
         settings, lighting = settings or TraceSettings(), lighting or Lighting()
-        if fabric.transmission is None:
-            raise InputError(
-                f"fabric {fabric.name}: has no [transmission], which the ray tracer needs; add the block, or take sheer_voile"
-            )
+        _require_transmission(fabric)
         width, height = size
         offsets = offsets or sample_offsets(settings.spp)
         structure = self.structure(settings.accelerator)
@@ -240,25 +239,44 @@ class Tracer:
             if self._environment[1] is not None:
                 self._environment[1].release()
             self._environment = environment, None if environment is None else _texture(self.ctx, environment)
-        t = fabric.transmission
         scale = self.triangles.padding / PADDING
         far = 4.0 * (scale + float(np.abs(camera.eye).max())) * 3**0.5
-        shared = {
-            "rho": t.rho, "k_a": t.k_a, "k_t": t.k_t, "tau": t.tau, "diffuse": t.diffuse, "roughness": t.roughness,
-            "eta_1": t.eta_1, "eta_2": t.eta_2, "roughness_p": t.roughness_p,
-            "far": far, "offset": 8 * self.triangles.padding,
-        }  # fmt: skip
         shader.set_uniforms(self._program("camera"), eye=camera.eye, far=far)
         shade = self._program("shade")
+        self._set_light(shade, fabric, lighting, far)
         shader.set_uniforms(
-            shade, **shared, cutoff=settings.cutoff, spread=settings.spread, lamp=lighting.lamp.vector,
-            intensity=lighting.lamp.intensity, ambient=lighting.ambient, background=lighting.background,
-            cloth_albedo=tuple(map(float, mean_albedo(fabric) * reflection_limit(fabric))),
-            reflection_limit=reflection_limit(fabric), has_environment=environment is not None,
+            shade, offset=8 * self.triangles.padding, cutoff=settings.cutoff, spread=settings.spread,
+            background=lighting.background, has_environment=environment is not None,
         )  # fmt: skip
         if "environment_from_world" in shade:
             shade["environment_from_world"].write(rotation_y(-env_rotate).T.astype("f4").tobytes())
-        shader.set_uniforms(self._program("shadow", self.structure(settings.accelerator)), **shared)
+        _set_transmission(self._program("shadow", self.structure(settings.accelerator)), fabric)
+
+    def _set_light(self, program, fabric: Fabric, lighting: Lighting, far: float) -> None:
+        """The uniforms of passes/local_light.glsl."""
+        limit = reflection_limit(fabric)
+        _set_transmission(program, fabric)
+        shader.set_uniforms(
+            program, lamp=lighting.lamp.vector, intensity=lighting.lamp.intensity, ambient=lighting.ambient, far=far,
+            cloth_albedo=tuple(map(float, mean_albedo(fabric) * limit)), reflection_limit=limit,
+        )  # fmt: skip
+
+    def layers(
+        self, camera: Camera, size: tuple[int, int], fabric: Fabric, lighting: Lighting | None = None
+    ) -> np.ndarray:
+        """Rasterise the scene that was set instead: sorted layers, blended, without shadows; result as for `trace`."""
+        _require_transmission(fabric)
+        lighting = lighting or Lighting()
+        if self._layers is None:
+            self._layers = LayersPicture(self.ctx)
+        program = self._layers.program
+        self._fabric.prepare(fabric)
+        self._set_light(program, fabric, lighting, 1e6)
+        self._fabric.bind(program)
+        self._bind_surfaces()
+        return self._layers.draw(
+            self.triangles.positions(), self.triangles.materials() == 0, camera, size, lighting.background
+        )
 
     def _reserve_picture(self, pixels: int) -> None:
         if self._picture.size < 16 * pixels:
@@ -382,6 +400,20 @@ class Tracer:
             thing.release()
         if self._environment[1] is not None:
             self._environment[1].release()
+        if self._layers is not None:
+            self._layers.release()
+
+
+def _require_transmission(fabric: Fabric) -> None:
+    if fabric.transmission is None:
+        raise InputError(
+            f"fabric {fabric.name}: has no [transmission], which the ray tracer needs; add the block, or take sheer_voile"
+        )
+
+
+def _set_transmission(program, fabric: Fabric) -> None:
+    """The uniforms of passes/transmission.glsl."""
+    shader.set_uniforms(program, **fabric.transmission.model_dump())
 
 
 def sample_offsets(spp: int) -> list[tuple[float, float]]:

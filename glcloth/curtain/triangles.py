@@ -101,6 +101,11 @@ class Triangles:
         data = np.frombuffer(self.corners.buffer.read(48 * self.count), np.uint32).reshape(-1, 3, 4)
         return np.ascontiguousarray(data[..., :3]).view(np.float32)
 
+    def materials(self) -> np.ndarray:
+        """Read the materials back: int [T]."""
+        data = np.frombuffer(self.attributes.buffer.read(16 * self.count), np.uint32).reshape(-1, 4)
+        return data[:, 0].astype(int)
+
     def release(self) -> None:
         """Free the GPU's memory."""
         self.corners.release()

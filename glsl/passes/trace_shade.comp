@@ -8,9 +8,7 @@
 #include "trace/shared.glsl"
 #include "trace/random.glsl"
 #include "core/equirect.glsl"
-#include "passes/fabric.glsl"
-#include "passes/surface_at.glsl"
-#include "passes/transmission.glsl"
+#include "passes/local_light.glsl"
 
 layout(local_size_x = 64) in;
 layout(binding = 6) uniform sampler2D environment_map;
@@ -33,12 +31,6 @@ uniform int generation_seed;  // of the sample and the level
 uniform bool spread;         // draw the transmitted direction from the lobes instead of going straight on
 uniform float cutoff;        // rays that count for less are not followed
 uniform float offset;        // how far off the surface new rays begin
-uniform float far;
-uniform vec4 lamp;           // position, 1; or direction toward it, 0
-uniform vec3 intensity;      // W/sr of a point; irradiance of a distant one
-uniform vec3 ambient;        // radiance of the even light in the room
-uniform vec3 cloth_albedo;   // of the fabric in even light
-uniform float reflection_limit;  // dims the yarns' reflection so that no energy is gained
 uniform vec3 background;
 uniform bool has_environment;
 uniform mat3 environment_from_world;
@@ -51,7 +43,8 @@ vec3 sky(vec3 d) {
 }
 
 // A direction through the sheet and what the ray along it counts for, drawn from holes, directed and diffuse transmission.
-// omega_o: toward the viewer in the frame with z = N; the result points away on the other side (z < 0).
+// omega_o: toward the viewer in the frame with z = N; the result points away on the other side (z < 0). The seed is made of
+// the ray, not of its place in the queue, which depends on timing.
 vec3 drawn_direction(vec3 omega_o, uvec3 seed, out vec3 weight) {
     float open = T_open(omega_o, rho);
     vec3 yarns = (1.0 - open) * k_t * absorption(omega_o, omega_o, tau);
@@ -95,66 +88,42 @@ void main() {
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = -d * world_from_surface;
 
-    vec3 l = lamp.w > 0.0 ? lamp.xyz - p : lamp.xyz;
-    float distance_2 = lamp.w > 0.0 ? dot(l, l) : 1.0;
-    float distance_l = lamp.w > 0.0 ? sqrt(distance_2) : far;
-    l *= lamp.w > 0.0 ? inversesqrt(max(distance_2, 1e-12)) : 1.0;
-    vec3 E = intensity / max(distance_2, 1e-12);
-    vec3 omega_i = l * world_from_surface;
-    bool lit_behind = dot(s.N_g, l) < 0.0;
-
-    vec3 direct = vec3(0.0);
-    vec3 even = ambient;
+    LampRay l = lamp_ray(p, s);
+    vec3 direct = weight.rgb * lamp_light(s, world_from_surface, omega_o, l);
     uvec2 next = uvec2(NO_TRIANGLE);
-    if (s.cloth) {
-        even *= cloth_albedo;
-        if (lit_behind) {
-            // The functions have z = N on the light's side.
-            vec3 i_t = vec3(omega_i.xy, -omega_i.z);
-            vec3 o_t = vec3(omega_o.xy, -omega_o.z);
-            direct = covered(i_t, o_t, rho) * k_t * absorption(i_t, o_t, tau) * max(i_t.z, 0.0)
-                     * f_yarn(i_t, o_t, roughness, eta_1, eta_2, diffuse, roughness_p);
-        } else {
-            direct = reflection_limit * f_cloth(omega_i, omega_o);
+    if (s.cloth && level < last_level) {
+        vec3 onward = d;
+        vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
+        if (spread) {
+            vec3 drawn = drawn_direction(omega_o, uvec3(uint(weight.a), uint(generation_seed), floatBitsToUint(d.x)), through);
+            drawn = world_from_surface * drawn;
+            onward = dot(drawn, s.N_g) < 0.0 ? drawn : d;
         }
-        if (level < last_level) {
-            vec3 onward = d;
-            vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
-            if (spread) {
-                vec3 drawn = drawn_direction(omega_o, uvec3(uint(weight.a), uint(generation_seed), uint(i)), through);
-                drawn = world_from_surface * drawn;
-                onward = dot(drawn, s.N_g) < 0.0 ? drawn : d;
-            }
-            through *= weight.rgb;
-            if (largest(through) > cutoff) {
-                uint k = atomicAdd(count[0], 1u);
-                ray_out[2u * k] = vec4(p - offset * s.N_g, 0.0);
-                ray_out[2u * k + 1u] = vec4(onward, far);
-                weight_out[k] = vec4(through, weight.a);
-                next.x = k;
-            }
-            vec3 mirrored = weight.rgb * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
-            if (largest(mirrored) > cutoff) {
-                vec3 r = reflect(d, s.N);
-                if (dot(r, s.N_g) <= 0.0) r = reflect(d, s.N_g);
-                uint k = uint(next_last) - atomicAdd(count[1], 1u);
-                ray_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
-                ray_out[2u * k + 1u] = vec4(r, far);
-                weight_out[k] = vec4(mirrored, weight.a);
-                next.y = k;
-            }
+        through *= weight.rgb;
+        if (largest(through) > cutoff) {
+            uint k = atomicAdd(count[0], 1u);
+            ray_out[2u * k] = vec4(p - offset * s.N_g, 0.0);
+            ray_out[2u * k + 1u] = vec4(onward, far);
+            weight_out[k] = vec4(through, weight.a);
+            next.x = k;
         }
-    } else {
-        even *= s.diffuse;
-        direct = s.diffuse * (lit_behind ? 0.0 : max(omega_i.z, 0.0) / PI);
+        vec3 mirrored = weight.rgb * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
+        if (largest(mirrored) > cutoff) {
+            vec3 r = reflect(d, s.N);
+            if (dot(r, s.N_g) <= 0.0) r = reflect(d, s.N_g);
+            uint k = uint(next_last) - atomicAdd(count[1], 1u);
+            ray_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
+            ray_out[2u * k + 1u] = vec4(r, far);
+            weight_out[k] = vec4(mirrored, weight.a);
+            next.y = k;
+        }
     }
-    direct *= E * weight.rgb;
-    radiance[i] = vec4(weight.rgb * even, 0.0);
+    radiance[i] = vec4(weight.rgb * even_light(s), 0.0);
     children[i] = next;
     if (largest(direct) > 1e-5 * cutoff) {
         uint k = atomicAdd(count[2], 1u);
-        shadow_out[3u * k] = vec4(p + (lit_behind ? -offset : offset) * s.N_g, float(i));
-        shadow_out[3u * k + 1u] = vec4(l, distance_l - (lamp.w > 0.0 ? offset : 0.0));
+        shadow_out[3u * k] = vec4(p + (l.behind ? -offset : offset) * s.N_g, float(i));
+        shadow_out[3u * k + 1u] = vec4(l.direction, l.distance - (lamp.w > 0.0 ? offset : 0.0));
         shadow_out[3u * k + 2u] = vec4(direct, 0.0);
     }
 }

@@ -1,0 +1,137 @@
+"""The acceleration structure as a picture: primitives with black edges, boxes of nodes in green.   [Mat section 4.3.3]
+
+The lamp is light yellow, the axes grey, the primitives have their diffuse colour; nothing is shaded, everything is
+z-buffered.
+"""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from .. import shader
+from ..camera import Camera
+from ..errors import InputError
+
+YELLOW, GREEN, GREY, BLACK, PAPER = (
+    (1.0, 0.95, 0.45),
+    (0.05, 0.65, 0.1),
+    (0.5, 0.5, 0.5),
+    (0.0, 0.0, 0.0),
+    (1.0, 1.0, 1.0),
+)
+EDGES = [(0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 6), (5, 7), (6, 7)]
+OVERSAMPLING = 2
+
+
+def box_lines(low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """The twelve edges [N, 12, 2, 3] of boxes with corners low, high [N, 3]."""
+    corner = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    points = low[:, None] + corner * (high - low)[:, None]
+    return points[:, np.array(EDGES)]
+
+
+def shown_nodes(tree: dict[str, np.ndarray], level: int | None) -> np.ndarray:
+    """The numbers of the nodes to draw: those of one level, or (level None) the leaves that hold triangles.
+
+    Raises InputError for a level that the tree does not have.
+    """
+    if level is None:
+        return np.flatnonzero((tree["axis"] == 3) & (tree["count"] > 0))
+    deepest = int(tree["depth"].max())
+    if not 0 <= level <= deepest:
+        raise InputError(f"tree level {level}: this tree has levels 0 to {deepest}; choose one of them, or leaves")
+    return np.flatnonzero(tree["depth"] == level)
+
+
+def draw_tree(
+    ctx: moderngl.Context,
+    tree: dict[str, np.ndarray],
+    positions: np.ndarray,
+    colors: np.ndarray,
+    camera: Camera,
+    size: tuple[int, int],
+    lamp: tuple[float, float, float] | None = None,
+    level: int | None = None,
+    hidden: np.ndarray | None = None,
+) -> np.ndarray:
+    """Draw a structure and the triangles that it holds.
+
+    Parameters
+    ----------
+    tree : `arrays()` of a structure that has boxes (kdtree or lbvh)
+    positions : [T, 3, 3]; colors : [T, 3] diffuse, linear
+    lamp : position of the lamp
+    level : draw the boxes of this level; None: of the leaves that hold triangles
+    hidden : [T] bool, triangles to leave out (walls that would hide the rest)
+
+    Returns float32 [H, W, 3], linear, top row first. Raises InputError for a structure without boxes or a level that it
+    does not have.
+    """
+    if "low" not in tree:
+        raise InputError("brute force has no tree to show; choose kdtree or lbvh")
+    nodes = shown_nodes(tree, level)
+    low, high = tree["low"][nodes].astype(float), tree["high"][nodes].astype(float)
+    bound_low, bound_high = positions.min((0, 1)).astype(float), positions.max((0, 1)).astype(float)
+    low, high = np.maximum(low, bound_low), np.minimum(high, bound_high)
+    lines = [(box_lines(low, high).reshape(-1, 3), GREEN)]
+    length = float(np.linalg.norm(bound_high - bound_low))
+    lines.append((np.array([[[0, 0, 0], axis] for axis in 0.5 * length * np.eye(3)]).reshape(-1, 3), GREY))
+    solids = []
+    if lamp is not None:
+        solids.append((_octahedron(np.array(lamp, float), 0.02 * length), YELLOW))
+    keep = np.ones(len(positions), bool) if hidden is None else ~np.asarray(hidden)
+    triangles = positions[keep].reshape(-1, 3)
+    tints = np.repeat(np.asarray(colors)[keep], 3, 0)
+    every = np.concatenate([positions.reshape(-1, 3), *(p for p, _ in lines + solids)])
+    near, far = camera.depth_range(every.min(0), every.max(0))
+    drawn = (size[0] * OVERSAMPLING, size[1] * OVERSAMPLING)
+    program = shader.program(ctx, "passes/plain.vert", "passes/plain.frag")
+    program["clip_from_world"].write(camera.clip_from_world(drawn, near, far).T.astype("f4").tobytes())
+    color = ctx.texture(drawn, 4, dtype="f4")
+    depth = ctx.depth_renderbuffer(drawn)
+    target = ctx.framebuffer([color], depth)
+    things = [program, color, depth, target]
+    try:
+        target.use()
+        ctx.viewport = (0, 0, *drawn)
+        target.clear(*PAPER, 1.0)
+        ctx.enable(moderngl.DEPTH_TEST)
+
+        def put(points, tint, mode, nearer=0.0):
+            data = np.empty((len(points), 6), np.float32)
+            data[:, :3], data[:, 3:] = points, tint
+            buffer = ctx.buffer(data.tobytes())
+            array = ctx.vertex_array(program, [(buffer, "3f 3f", "position", "vertex_color")])
+            program["nearer"].value = nearer
+            array.render(mode)
+            things.extend((array, buffer))
+
+        if len(triangles):
+            put(triangles, tints, moderngl.TRIANGLES)
+            put(triangles.reshape(-1, 3, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 3), BLACK, moderngl.LINES, 2e-5)
+        for points, tint in solids:
+            put(points, tint, moderngl.TRIANGLES)
+        for points, tint in lines:
+            if len(points):
+                put(points, tint, moderngl.LINES, 1e-5)
+        picture = np.frombuffer(color.read(), np.float32).reshape(drawn[1], drawn[0], 4)[::-1, :, :3]
+        k = OVERSAMPLING
+        return picture.reshape(size[1], k, size[0], k, 3).mean((1, 3)).astype(np.float32)
+    finally:
+        ctx.disable(moderngl.DEPTH_TEST)
+        # moderngl binds the last framebuffer back after making a new one; it must not be a deleted one.
+        ctx.detect_framebuffer(0).use()
+        for thing in reversed(things):
+            thing.release()
+
+
+def _octahedron(center: np.ndarray, radius: float) -> np.ndarray:
+    """The corners [24, 3] of the eight faces."""
+    faces = [
+        (np.array([sx, 0, 0]), np.array([0, sy, 0]), np.array([0, 0, sz]))
+        for sx in (-1, 1)
+        for sy in (-1, 1)
+        for sz in (-1, 1)
+    ]
+    return center + radius * np.array(faces, float).reshape(-1, 3)
