@@ -143,3 +143,26 @@ def _corner(word: str, values: dict[str, list], where: str) -> tuple[int, int, i
             )
         found[slot] = zero_based
     return found[0], found[1], found[2]
+
+
+def read_mtl(text: str, where: str) -> dict[str, tuple[float, float, float]]:
+    """Return {material: diffuse reflectance Kd} of an MTL file's text; a material without Kd is 70 % grey.
+
+    Raises InputError, with the line, for a Kd that is not three numbers from 0 to 1.
+    """
+    colors: dict[str, tuple[float, float, float]] = {}
+    name = None
+    for number, line in enumerate(text.splitlines(), 1):
+        words = line.split("#", 1)[0].split()
+        if words[:1] == ["newmtl"]:
+            name = " ".join(words[1:])
+            colors[name] = (0.7, 0.7, 0.7)
+        elif words[:1] == ["Kd"] and name is not None:
+            try:
+                color = tuple(float(word) for word in words[1:4])
+            except ValueError:
+                color = ()
+            if len(color) != 3 or not all(0 <= c <= 1 for c in color):
+                raise InputError(f"{where}:{number}: `{line.strip()}`: expected three numbers from 0 to 1; change it")
+            colors[name] = color
+    return colors

@@ -1,0 +1,196 @@
+"""The built-in room: walls, a window with its frame, a curtain rod, some furniture; 146 triangles.
+
+With the default curtain that makes the 12,786 triangles of paper B's scene. `python -m glcloth.curtain.room` writes
+scenes/room.obj and scenes/room.mtl anew; `load_room` reads these or any other OBJ with its MTL. Metres, +Y up, the
+window in the plane z = 0 with the room before it (z > 0).
+"""
+
+from __future__ import annotations
+
+import itertools
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import InputError
+from ..files import PACKAGE, atomic_write
+from ..obj import read_mtl, read_obj
+from .cloth import CurtainParameters, pleated_rail
+
+ROOM = PACKAGE / "scenes" / "room.obj"
+# Diffuse reflectances, linear Rec. 709.
+MATERIALS = {
+    "plaster": (0.76, 0.73, 0.67),
+    "ceiling": (0.82, 0.82, 0.80),
+    "floor": (0.40, 0.26, 0.15),
+    "frame": (0.78, 0.77, 0.74),
+    "metal": (0.32, 0.31, 0.30),
+    "table": (0.28, 0.15, 0.08),
+    "rug": (0.45, 0.12, 0.10),
+    "picture": (0.12, 0.22, 0.34),
+}
+LOW, HIGH = (-2.0, 0.0, 0.0), (2.0, 2.7, 4.0)  # the room
+WINDOW_LOW, WINDOW_HIGH = (-1.1, 0.4), (1.1, 2.35)  # x, y of its opening
+REVEAL = 0.14  # m, thickness of the wall
+FACES = {"-x": (0, 0), "+x": (0, 1), "-y": (1, 0), "+y": (1, 1), "-z": (2, 0), "+z": (2, 1)}
+
+
+@dataclass(frozen=True)
+class Room:
+    """A room as triangles: positions [T, 3, 3] float32, m; material [T] int32 indexes reflectances [M, 3] float32
+    (linear Rec. 709), whose names are `names`."""
+
+    positions: np.ndarray
+    material: np.ndarray
+    reflectances: np.ndarray
+    names: tuple[str, ...]
+
+
+def load_room(path: str | Path = ROOM) -> Room:
+    """Read an OBJ whose MTL gives the reflectances (Kd); without one everything is 70 % grey.
+
+    Raises InputError for files that are missing or damaged, and for materials that the MTL does not define.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; check the path, or leave it out for the built-in room")
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+        data = read_obj(text, str(path))
+        libraries = [line.split(maxsplit=1)[1].strip() for line in text.splitlines() if line.startswith("mtllib ")]
+        colors: dict[str, tuple[float, float, float]] = {}
+        for name in libraries:
+            library = path.parent / name
+            if not library.is_file():
+                raise InputError(f"{path}: names the material file {name}, which is not beside it; put it there")
+            colors |= read_mtl(library.read_text(encoding="utf-8", errors="replace"), str(library))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
+    missing = [name for name in data.materials if name not in colors] if libraries else []
+    if missing:
+        raise InputError(f"{path}: material `{missing[0]}` is not defined in {', '.join(libraries)}; define it there")
+    positions = data.positions[data.triangles]
+    if not np.isfinite(positions.astype(np.float32)).all():
+        raise InputError(f"{path}: a vertex is not finite; mend the file")
+    grey = (0.7, 0.7, 0.7)
+    return Room(
+        positions.astype(np.float32),
+        data.material,
+        np.array([colors.get(name, grey) for name in data.materials], np.float32),
+        data.materials,
+    )
+
+
+Quad = tuple[str, np.ndarray]  # material, corners [4, 3] counter-clockwise seen from the side that faces the room
+
+
+def box(material: str, low, high, without: str = "") -> list[Quad]:
+    """Return the faces of a box, outside in front, but for those named in `without`, such as "-y +z"."""
+    corner = np.array([low, high], float)
+    quads = []
+    for name, (axis, side) in FACES.items():
+        if name in without.split():
+            continue
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        face = np.empty((4, 3))
+        face[:, axis] = corner[side, axis]
+        face[:, u], face[:, v] = corner[[0, 1, 1, 0], u], corner[[0, 0, 1, 1], v]
+        quads.append((material, face if side else face[::-1]))
+    return quads
+
+
+def inside_out(quads: list[Quad]) -> list[Quad]:
+    """Return faces that are seen from the other side."""
+    return [(material, corners[::-1]) for material, corners in quads]
+
+
+def prism(material: str, center, radius: float, half_length: float, sides: int) -> list[Quad]:
+    """Return the sides of a prism along x, without its ends."""
+    angle = 2 * np.pi * np.arange(sides + 1) / sides
+    rim = np.column_stack([np.zeros(sides + 1), radius * np.cos(angle), radius * np.sin(angle)]) + center
+    across = np.array([half_length, 0.0, 0.0])
+    return [(material, np.array([a - across, b - across, b + across, a + across])) for a, b in itertools.pairwise(rim)]
+
+
+def furnish() -> list[Quad]:
+    """Return the quads of the built-in room."""
+    (x_0, y_0), (x_1, y_1) = WINDOW_LOW, WINDOW_HIGH
+    quads = inside_out(box("plaster", LOW, HIGH, without="-y +y -z"))
+    quads += inside_out(box("floor", LOW, HIGH, without="-x +x +y -z +z"))
+    quads += inside_out(box("ceiling", LOW, HIGH, without="-x +x -y -z +z"))
+    # The window's wall, round the opening, and the faces of the opening in the thickness of the wall.
+    for low, high in (
+        ((LOW[0], LOW[1]), (x_0, HIGH[1])),
+        ((x_1, LOW[1]), (HIGH[0], HIGH[1])),
+        ((x_0, LOW[1]), (x_1, y_0)),
+        ((x_0, y_1), (x_1, HIGH[1])),
+    ):
+        quads += inside_out(box("plaster", (*low, 0.0), (*high, 1.0), without="-x +x -y +y +z"))
+    quads += inside_out(box("plaster", (x_0, y_0, -REVEAL), (x_1, y_1, 0.0), without="-z +z"))
+    # Frame, mullion and transom are bars whose ends are hidden.
+    bar, back, front = 0.06, -0.11, -0.05
+    for x in (x_0, x_1 - bar):
+        quads += box("frame", (x, y_0, back), (x + bar, y_1, front), without="-y +y")
+    for y in (y_0, y_1 - bar):
+        quads += box("frame", (x_0 + bar, y, back), (x_1 - bar, y + bar, front), without="-x +x")
+    quads += box("frame", (-bar / 2, y_0 + bar, back), (bar / 2, y_1 - bar, front), without="-y +y")
+    quads += box("frame", (x_0 + bar, 1.7, back), (x_1 - bar, 1.7 + bar, front), without="-x +x")
+    quads += box("frame", (x_0 - 0.08, y_0 - 0.03, 0.0), (x_1 + 0.08, y_0, 0.04), without="-z")
+    # The rod stands in the middle of the pleats, just above them.
+    curtain = CurtainParameters()
+    z = pleated_rail(curtain, curtain.quads[0] + 1)[:, 1]
+    rod = (0.0, curtain.top + 0.025, (z.min() + z.max()) / 2)
+    quads += prism("metal", rod, 0.018, curtain.width / 2 + 0.08, 6)
+    # A table on four legs by the window, a rug, a picture in its frame on the wall.
+    low, high, top, leg = (0.95, 1.0), (1.75, 2.1), 0.72, 0.05
+    quads += box("table", (low[0], top - 0.04, low[1]), (high[0], top, high[1]))
+    for x in (low[0] + 0.03, high[0] - 0.03 - leg):
+        for depth in (low[1] + 0.03, high[1] - 0.03 - leg):
+            quads += box("table", (x, 0.0, depth), (x + leg, top - 0.04, depth + leg), without="-y +y")
+    quads += box("rug", (-1.3, 0.0, 0.9), (0.6, 0.012, 2.9), without="-x +x -y -z +z")
+    for material, margin, depth in (("table", 0.06, 0.012), ("picture", 0.0, 0.014)):
+        low, high = (LOW[0], 1.15 - margin, 1.3 - margin), (LOW[0] + depth, 1.85 + margin, 2.4 + margin)
+        quads += box(material, low, high, without="-x -y +y -z +z")
+    return quads
+
+
+def room_text() -> tuple[str, str]:
+    """Return the built-in room as (OBJ, MTL) text."""
+    obj = [
+        "# The room of the curtain scene, made by `python -m glcloth.curtain.room`; metres, +Y up.",
+        "mtllib room.mtl",
+    ]
+    current, count, directions = None, 0, []
+    for material, corners in furnish():
+        if material != current:
+            obj.append(f"usemtl {material}")
+            current = material
+        normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
+        normal = tuple(np.round(normal / np.linalg.norm(normal), 6) + 0.0)
+        obj += [f"v {x:.6g} {y:.6g} {z:.6g}" for x, y, z in corners]
+        if normal not in directions:
+            directions.append(normal)
+            obj.append("vn {:.6g} {:.6g} {:.6g}".format(*normal))
+        n = directions.index(normal) + 1
+        obj.append("f " + " ".join(f"{count + k}//{n}" for k in (1, 2, 3, 4)))
+        count += 4
+    mtl = ["# Reflectances are linear Rec. 709."]
+    for name, color in MATERIALS.items():
+        mtl += [f"newmtl {name}", "Kd {:g} {:g} {:g}".format(*color)]
+    return "\n".join([*obj, ""]), "\n".join([*mtl, ""])
+
+
+def save_room(path: str | Path = ROOM) -> None:
+    """Write the built-in room to an OBJ and the MTL beside it. Raises InputError where they cannot be written."""
+    obj, mtl = room_text()
+    library = Path(path).with_suffix(".mtl")
+    with atomic_write(library) as temporary:
+        temporary.write_text(mtl, encoding="utf-8")
+    with atomic_write(path) as temporary:
+        temporary.write_text(obj.replace("mtllib room.mtl", f"mtllib {library.name}"), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    save_room(*sys.argv[1:2])
