@@ -12,6 +12,7 @@ from ..fabric import Fabric
 from ..gpu import TextureBuffer
 from ..lights import Lights
 from ..reference.node import column_width
+from ..reference.slots import ANGLE_SERIES
 from . import schedule as plan
 from .gaussian_nodes import SUN, gaussian_table, node_count, warm
 from .lobe_nodes import ends, lobe_table
@@ -78,9 +79,9 @@ class Direct:
         schedule = plan.SCHEDULES[quality]
         edges = [1e-2, *sorted(schedule.sharper), 1e6]
         top = len(schedule.sharper)
-        for i in range(top + 1):  # between edges i and i + 1 lies level top - i, whatever factor 0.3..4 a fabric has
+        for i in range(top + 1):  # between edges i and i + 1 lies level top - i, whatever factor 0.15..4 a fabric has
             level = min(top - i + schedule.shift, len(plan.LADDER) - 1)
-            warm(level, max(edges[i] * 0.25, 1e-2), min(edges[i + 1] * 4.5, 1e6))
+            warm(level, max(edges[i] * 0.13, 1e-2), min(edges[i + 1] * 4.5, 1e6))
         warm(0, SUN, SUN)
         self._warm.add(quality)
 
@@ -133,7 +134,8 @@ class Direct:
             width2 = 4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None]
             records[mine, 2], records[mine, 3] = kept, np.sqrt(1.0 / (width2 * np.log(2)))
             left = (1.0 - share[mine, None] * own) * (1.0 - k_d)
-            records[mine, 4] = left * 2.0 / np.sqrt(np.pi * width2)
+            amplitude = left * 2.0 / np.sqrt(np.pi * width2)
+            records[mine, 4] = np.log2(np.maximum(amplitude, 1e-30))
         self._entry_data.write(records)
         self._uniforms["entry_count"] = np.array([len(axis)], "i4")
         return int(sum(node_count(int(one)) for one in level))
@@ -202,22 +204,28 @@ class Direct:
         tangents = fabric.tangents
         self._variant = next(v for v in VARIANTS if v[0] * v[1] >= len(tangents) and v[2] >= pooled)
         groups, lanes, _ = self._variant
-        slots = np.zeros((7, groups * lanes), "f4")
+        slots = np.zeros((6, groups * lanes), "f4")
         tilt = np.array([t.tilt for t in tangents])
         slots[0] = 1.0
         count = len(tangents)
         slots[0, :count], slots[1, :count] = np.cos(tilt), np.sin(tilt)
-        slots[2, :count], slots[3, :count] = fabric.weights.T
-        slots[4, :count] = [t.yarn for t in tangents]
+        slots[2, :count] = fabric.weights[:, 1]
+        slots[3, :count] = [t.yarn for t in tangents]
         eta = np.array([y.eta for y in fabric.yarn])
         F_0 = ((1 - eta) / (1 + eta)) ** 2
-        slots[5, :count] = [F_0[t.yarn] for t in tangents]
-        slots[6, :count] = [fabric.yarn[t.yarn].k_d for t in tangents]
-        slots = np.pad(slots.reshape(7, groups, lanes), ((0, 0), (0, 0), (0, 4 - lanes)))
-        names = ("cos_tilt", "sin_tilt", "weight", "share", "yarn", "F_0", "k_d")
+        slots[4, :count] = [F_0[t.yarn] for t in tangents]
+        slots[5, :count] = [fabric.yarn[t.yarn].k_d for t in tangents]
+        slots = np.pad(slots.reshape(6, groups, lanes), ((0, 0), (0, 0), (0, 4 - lanes)))
+        names = ("cos_tilt", "sin_tilt", "share", "yarn", "F_0", "k_d")
+        # Both factors of a tangent go with its count, so their ratio belongs to the yarn.
+        ratio = [
+            next((w / s for t, (w, s) in zip(tangents, fabric.weights, strict=True) if t.yarn == j), 0.0)
+            for j in (0, 1)
+        ]
         self._uniforms |= {
             **{f"slot_{name}": value for name, value in zip(names, slots, strict=True)},
-            "log2_e_over_sigma2": np.array([fabric.sigma**-2 / np.log(2)], "f4"),
+            "mask_series": (ANGLE_SERIES * -(fabric.sigma**-2) / np.log(2)).astype("f4"),
+            "yarn_weight": np.array(ratio, "f4"),
             "gap": np.array([fabric.gap], "f4"),
             "yarn_F_0": F_0.astype("f4"),
             "yarn_A": np.array([y.albedo for y in fabric.yarn], "f4"),

@@ -25,11 +25,11 @@ class Schedule:
     sharper: tuple[float, ...] = (300.0, 22.0, 6.0, 2.2, 0.9)
     shift: int = 0
     theta_count: int = 3
-    phi_pairs: int = 3
+    phi_pairs: int = 4
 
 
 SCHEDULES = {
-    "draft": Schedule(sharper=(150.0, 12.0, 3.0), phi_pairs=2),
+    "draft": Schedule(sharper=(150.0, 12.0, 3.0), phi_pairs=3),
     "normal": Schedule(),
     "high": Schedule(shift=2, theta_count=5, phi_pairs=6),
 }
@@ -39,7 +39,7 @@ POOLED_RATIO = (1.0, 1.3)  # ... when sigma is this many times the lobe's width 
 NARROW_DEG = (7.0, 9.0)  # ... and gamma at most this
 SAME_NODES_RATIO = (2.5, 3.3)  # lobes of one yarn whose widths differ more than this cannot share nodes in theta
 BLEND = np.log(1.1)  # half width in log sharpness of the change from one level to the next
-BROAD_LOBE = 0.3  # radians^2: lobes broader than this ask for no fewer nodes, because W varies too
+BROAD_LOBE = 1.5  # radians^2: lobes broader than this ask for no fewer nodes, because W varies too
 LINEN_LOBE = 0.088  # 2 gamma^2 of 12 degrees
 CUT_SHARPNESS = 3.5  # added to the sharpness: the horizon keeps the variance of a broad Gaussian finite
 
@@ -103,7 +103,7 @@ def levels(schedule: Schedule, sharpness: float, pooled: float, lobes: tuple[Lob
         for lobe in lobes
         for gamma, share in ((lobe.gamma_s, lobe.share_s), (lobe.gamma_v, lobe.share_v))
     )
-    scale = np.clip(np.sqrt(LINEN_LOBE * max(left, 1.0 / BROAD_LOBE)), 0.3, 4.0)
+    scale = np.clip(np.sqrt(LINEN_LOBE * max(left, 1.0 / BROAD_LOBE)), 0.15, 4.0)
     x = np.log(max(sharpness, 1e-9) / scale)
     height = sum(1.0 - float(smoothstep(np.log(t) - BLEND, np.log(t) + BLEND, x)) for t in schedule.sharper)
     low = int(height)

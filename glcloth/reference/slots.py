@@ -6,15 +6,14 @@ from .fresnel import F_schlick
 from .weight import D_mask
 
 
-def square_angle(x):
-    """The square of the angle whose cosine is 1 - x.   [own]"""
-    return np.arccos(np.clip(1.0 - np.asarray(x, float), -1, 1)) ** 2
+ANGLE_SERIES = np.array([2.0, 1.0 / 3.0, 4.0 / 45.0, 0.067381])  # of angle^2 in x = 1 - cos(angle): x, x^2, x^3, x^5
 
 
-def g_of_cos(cos_angle, log2_e_over_sigma2):
-    """g(angle; 0, sigma) by the angle's cosine.   [Miz, below 6]"""
+def g_of_cos(cos_angle, series):
+    """g(angle; 0, sigma) by the angle's cosine; series [..., 4] = ANGLE_SERIES times -1 / (sigma^2 ln 2).   [Miz, below 6]"""
     angle = np.arccos(np.clip(cos_angle, -1, 1))
-    return np.exp(-(angle**2) * np.asarray(log2_e_over_sigma2)[..., None] * np.log(2))
+    inv_sigma2 = -np.asarray(series)[..., :1] * np.log(2) / ANGLE_SERIES[0]
+    return np.exp(-(angle**2) * inv_sigma2)
 
 
 def D_masks(x, y, z):

@@ -20,15 +20,15 @@ layout(binding = 11) uniform sampler2D pooled_light;   // radiance of the pooled
 uniform int entry_count;                // at least 1
 uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta, their pairs in phi; at least 1 each
 uniform vec2 phi_rule[MAX_PHI_PAIRS];   // nodes > 0 and weights of a Gauss-Legendre rule on -1..1
-uniform float log2_e_over_sigma2;       // of shadowing and masking
+uniform vec4 mask_series;               // of g_of_cos, for sigma of shadowing and masking
 uniform float gap;                      // 1 - a_1 - a_2 in W's normaliser
 uniform vec3 yarn_A[2];
 uniform vec2 yarn_F_0;
+uniform vec2 yarn_weight;
 // Four tangents each; unused ones weigh nothing. A LANES of 0 is a constant that lets the compiler drop a component.
 uniform vec4 slot_cos_tilt[GROUPS];
 uniform vec4 slot_sin_tilt[GROUPS];
-uniform vec4 slot_weight[GROUPS];
-uniform vec4 slot_share[GROUPS];
+uniform vec4 slot_share[GROUPS];  // in W's normaliser; the factor in the sum is yarn_weight times that
 uniform vec4 slot_yarn[GROUPS];  // 0 or 1
 uniform vec4 slot_F_0[GROUPS];
 uniform vec4 slot_k_d[GROUPS];
@@ -36,8 +36,8 @@ uniform vec4 slot_k_d[GROUPS];
 // What omega_o fixes. On llvmpipe arrays with constant indices are registers.
 vec2 sin_psi_o, cos_psi_o;  // of the two yarns, for tilt 0
 vec4 sin_theta_o[GROUPS], cos_theta_o[GROUPS], theta_o[GROUPS];
-vec4 cos_phi_o[GROUPS], sin_phi_o[GROUPS], visible_o[GROUPS], cos_psi_t[GROUPS];
-vec4 P[GROUPS], surface[GROUPS], volume[GROUPS];
+vec4 cos_phi_o[GROUPS], sin_phi_o[GROUPS], cos_psi_t[GROUPS];
+vec4 shared_P[GROUPS], surface[GROUPS], volume[GROUPS];
 
 vec4 of_yarn(int g, vec2 yarns) {
     return mix(vec4(yarns.x), vec4(yarns.y), greaterThan(slot_yarn[g], vec4(0.5)));
@@ -54,7 +54,6 @@ void see_group(int g, vec3 omega_o) {
     theta_o[g] = asin(clamp(t, -1.0, 1.0));
     cos_phi_o[g] = n * inv;
     sin_phi_o[g] = across * inv;
-    visible_o[g] = max(cos_phi_o[g], 0.0);
     cos_psi_t[g] = max(of_yarn(g, cos_psi_o) * slot_cos_tilt[g] + of_yarn(g, sin_psi_o) * slot_sin_tilt[g], 0.0);
 }
 
@@ -65,66 +64,73 @@ void look_along(vec3 omega_i) {
     vec2 inv = inversesqrt(omega_i.xy * omega_i.xy + omega_i.z * omega_i.z + 1e-20);
     sin_psi_i = omega_i.xy * inv;
     cos_psi_i = omega_i.z * inv;
-    g_psi = g_of_cos(vec4(cos_psi_i * cos_psi_o + sin_psi_i * sin_psi_o, 0.0, 0.0), log2_e_over_sigma2).xy;
+    g_psi = g_of_cos(vec4(cos_psi_i * cos_psi_o + sin_psi_i * sin_psi_o, 0.0, 0.0), mask_series).xy;
 }
 
 float Q;
 
 void add_P(int g) {
     vec4 c = max(of_yarn(g, cos_psi_i) * slot_cos_tilt[g] + of_yarn(g, sin_psi_i) * slot_sin_tilt[g], 0.0);
-    P[g] = D_masks(of_yarn(g, g_psi), c, cos_psi_t[g]);
-    Q += dot(slot_share[g] * LANES, P[g]);
+    shared_P[g] = slot_share[g] * LANES * D_masks(of_yarn(g, g_psi), c, cos_psi_t[g]);
+    Q += dot(shared_P[g], vec4(1.0));
 }
 
 // -- Gaussians at their own nodes ---------------------------------------------------------------------------------------
 
 // Of one entry; components (surface of yarn 0, surface of yarn 1, volume of yarn 0, volume of yarn 1): how much of its
-// distance from the mean a node keeps; the widened lobe is amplitude exp2(-(sharp (theta_i + theta_o))^2).
-vec4 entry_kept, entry_sharp, entry_amplitude;
-// sharp (theta_i + theta_o) as a linear function of the node's theta_i: x = start + slope theta_i
-vec4 start_s[GROUPS], start_v[GROUPS], slope_s[GROUPS], slope_v[GROUPS], amplitude_s[GROUPS], amplitude_v[GROUPS];
+// distance from the mean a node keeps; the widened lobe is exp2(height - (sharp (theta_i + theta_o))^2).
+vec4 entry_kept, entry_sharp, entry_height;
+// The exponents as polynomials of the node's theta_i: c_0 + theta_i (c_1 + theta_i c_2).
+vec4 s_0[GROUPS], s_1[GROUPS], s_2[GROUPS], v_0[GROUPS], v_1[GROUPS], v_2[GROUPS];
 
 void aim_group(int g, vec3 mean) {
     vec4 t = of_yarn(g, mean.xy) * slot_cos_tilt[g] - mean.z * slot_sin_tilt[g];
     vec4 theta_mean = asin(clamp(t, -1.0, 1.0));
     vec4 kept_s = of_yarn(g, entry_kept.xy), kept_v = of_yarn(g, entry_kept.zw);
     vec4 sharp_s = of_yarn(g, entry_sharp.xy), sharp_v = of_yarn(g, entry_sharp.zw);
-    start_s[g] = sharp_s * (theta_o[g] + (1.0 - kept_s) * theta_mean);
-    start_v[g] = sharp_v * (theta_o[g] + (1.0 - kept_v) * theta_mean);
-    slope_s[g] = sharp_s * kept_s;
-    slope_v[g] = sharp_v * kept_v;
-    amplitude_s[g] = of_yarn(g, entry_amplitude.xy);
-    amplitude_v[g] = of_yarn(g, entry_amplitude.zw);
+    vec4 start_s = sharp_s * (theta_o[g] + (1.0 - kept_s) * theta_mean), slope_s = sharp_s * kept_s;
+    vec4 start_v = sharp_v * (theta_o[g] + (1.0 - kept_v) * theta_mean), slope_v = sharp_v * kept_v;
+    s_0[g] = of_yarn(g, entry_height.xy) - start_s * start_s;
+    s_1[g] = -2.0 * start_s * slope_s;
+    s_2[g] = -slope_s * slope_s;
+    v_0[g] = of_yarn(g, entry_height.zw) - start_v * start_v;
+    v_1[g] = -2.0 * start_v * slope_v;
+    v_2[g] = -slope_v * slope_v;
     surface[g] = volume[g] = vec4(0.0);
 }
 
+// Adds the terms at one node. Constant factors wait for `sum_group`. No term needs a clamp at its tangent's horizon,
+// where P vanishes.
 void light_group(int g, vec3 omega_i, float weight) {
     vec4 along = of_yarn(g, omega_i.xy), across = of_yarn(g, vec2(omega_i.y, -omega_i.x));
     vec4 t = along * slot_cos_tilt[g] - omega_i.z * slot_sin_tilt[g];
     vec4 n = along * slot_sin_tilt[g] + omega_i.z * slot_cos_tilt[g];
-    vec4 c2 = max(1.0 - t * t, 1e-7);
+    vec4 c2 = 1.0000002 - t * t;
     vec4 inv = inversesqrt(c2);
-    vec4 cos_theta_i = c2 * inv;
-    vec4 cos_phi_i = max(n * inv, 0.0);
-    vec4 cos_phi_d = cos_phi_i * cos_phi_o[g] + across * inv * sin_phi_o[g];
-    vec4 M = D_masks(g_of_cos(cos_phi_d, log2_e_over_sigma2), cos_phi_i, visible_o[g]);
-    vec4 cos_half_phi_d = sqrt(max(0.5 + 0.5 * cos_phi_d, 0.0));
+    vec4 cos_theta_i = c2 * inv, cos_phi_i = n * inv;
+    vec4 cos_phi_d = (n * cos_phi_o[g] + across * sin_phi_o[g]) * inv;
+    vec4 M = D_masks(g_of_cos(cos_phi_d, mask_series), cos_phi_i, cos_phi_o[g]);
+    vec4 half_cos_half_phi_d = sqrt(max(0.125 + 0.125 * cos_phi_d, 0.0));
     vec4 cos_sum = cos_theta_i + cos_theta_o[g], sin_sum = t + sin_theta_o[g];
-    vec4 cos2_theta_d_4 = max(cos_sum * cos_sum + sin_sum * sin_sum, 4e-7);
-    vec4 F_r = F_slots(slot_F_0[g], 0.5 * sqrt(cos2_theta_d_4), cos_half_phi_d), F_t = 1.0 - F_r;
+    vec4 cos2_theta_d_4 = cos_sum * cos_sum + sin_sum * sin_sum;
+    vec4 F_r = F_slots(slot_F_0[g], sqrt(cos2_theta_d_4), half_cos_half_phi_d), F_t = 1.0 - F_r;
     // 1 / (cos^2(theta_d) (cos theta_i + cos theta_o)); the surface term takes the sum out again.
-    vec4 front = weight * slot_weight[g] * LANES * P[g] * M * cos_theta_i / (0.25 * cos2_theta_d_4 * cos_sum);
+    vec4 front = weight * shared_P[g] * M * cos_theta_i / (cos2_theta_d_4 * cos_sum);
     vec4 theta_i = asin(t * 0.999999);  // rounding may have left t just outside -1..1
-    vec4 x_s = start_s[g] + slope_s[g] * theta_i, x_v = start_v[g] + slope_v[g] * theta_i;
-    surface[g] += front * cos_sum * F_r * cos_half_phi_d * amplitude_s[g] * exp2(-x_s * x_s);
-    volume[g] += front * F_t * F_t * (amplitude_v[g] * exp2(-x_v * x_v) + slot_k_d[g]);
+    vec4 g_s = exp2(s_0[g] + theta_i * (s_1[g] + theta_i * s_2[g]));
+    vec4 g_v = exp2(v_0[g] + theta_i * (v_1[g] + theta_i * v_2[g]));
+    surface[g] += front * cos_sum * F_r * half_cos_half_phi_d * g_s;
+    volume[g] += front * F_t * F_t * (g_v + slot_k_d[g]);
 }
 
-vec3 sums;  // surface, volume of yarn 0, volume of yarn 1
+vec2 surface_sums, volume_sums;  // of the two yarns
 
 void sum_group(int g) {
-    float both = dot(volume[g], vec4(1.0)), second = dot(volume[g], slot_yarn[g]);
-    sums += vec3(dot(surface[g], vec4(1.0)), both - second, second);
+    vec2 both = vec2(dot(surface[g], vec4(1.0)), dot(volume[g], vec4(1.0)));
+    vec2 second = vec2(dot(surface[g], slot_yarn[g]), dot(volume[g], slot_yarn[g]));
+    // 4 of 1 / cos^2(theta_d), 2 of cos(phi_d / 2)
+    surface_sums += 8.0 * vec2(both.x - second.x, second.x);
+    volume_sums += 4.0 * vec2(both.y - second.y, second.y);
 }
 
 vec4 fetch_node(int row, int column, float between) {
@@ -144,7 +150,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
         vec4 extra = texelFetch(entry_data, at + 2);
         entry_kept = extra;
         entry_sharp = texelFetch(entry_data, at + 3);
-        entry_amplitude = texelFetch(entry_data, at + 4);
+        entry_height = texelFetch(entry_data, at + 4);
         int rows = floatBitsToInt(head.w);
         int node = rows >> 8, last = node + (rows & 255);
         vec3 xi = surface_from_world * head.xyz;
@@ -167,9 +173,12 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
 #define LIGHT(g) light_group(g, omega_i, weight)
             EACH_GROUP(LIGHT)
         } while (++node < last);
-        sums = vec3(0.0);
+        surface_sums = volume_sums = vec2(0.0);
         EACH_GROUP(sum_group)
-        L += light.rgb * exp(mean.w) * (sums.x + yarn_A[0] * sums.y + yarn_A[1] * sums.z);
+        surface_sums *= yarn_weight;
+        volume_sums *= yarn_weight;
+        vec3 f = surface_sums.x + surface_sums.y + yarn_A[0] * volume_sums.x + yarn_A[1] * volume_sums.y;
+        L += light.rgb * exp(mean.w) * f;
     } while (++k < entry_count);
     return L;
 }
@@ -233,7 +242,7 @@ vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
                 Q = gap * omega_o.z + 1e-20;
                 EACH_GROUP(add_P)
                 vec4 cos_phi_d = vec4(cp * phi_o.x + s * phi_o.y, cp * phi_o.x - s * phi_o.y, 0.0, 0.0);
-                vec4 M = D_masks(g_of_cos(cos_phi_d, log2_e_over_sigma2), vec4(cp), vec4(max(phi_o.x, 0.0)));
+                vec4 M = D_masks(g_of_cos(cos_phi_d, mask_series), vec4(cp), vec4(max(phi_o.x, 0.0)));
                 vec4 cos_half_phi_d = sqrt(max(0.5 + 0.5 * cos_phi_d, 0.0));
                 vec4 F_r = F_slots(vec4(F_0), vec4(cos_theta_d), cos_half_phi_d);
                 float P_t = mix(psi * psi_o, min(psi, psi_o), g_own);
