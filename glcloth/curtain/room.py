@@ -143,13 +143,13 @@ def furnish() -> list[Quad]:
     z = pleated_rail(curtain, curtain.quads[0] + 1)[:, 1]
     rod = (0.0, curtain.top + 0.025, (z.min() + z.max()) / 2)
     quads += prism("metal", rod, 0.018, curtain.width / 2 + 0.08, 6)
-    # A table on four legs by the window, a rug, a picture in its frame on the wall.
-    low, high, top, leg = (0.95, 1.0), (1.75, 2.1), 0.72, 0.05
+    # A small table on four legs by the window, a rug, a picture in its frame on the wall.
+    low, high, top, leg = (-1.5, 0.8), (-0.8, 1.4), 0.55, 0.04
     quads += box("table", (low[0], top - 0.04, low[1]), (high[0], top, high[1]))
     for x in (low[0] + 0.03, high[0] - 0.03 - leg):
         for depth in (low[1] + 0.03, high[1] - 0.03 - leg):
             quads += box("table", (x, 0.0, depth), (x + leg, top - 0.04, depth + leg), without="-y +y")
-    quads += box("rug", (-1.3, 0.0, 0.9), (0.6, 0.012, 2.9), without="-x +x -y -z +z")
+    quads += box("rug", (-0.5, 0.0, 0.9), (1.5, 0.012, 2.6), without="-x +x -y -z +z")
     for material, margin, depth in (("table", 0.06, 0.012), ("picture", 0.0, 0.014)):
         low, high = (LOW[0], 1.15 - margin, 1.3 - margin), (LOW[0] + depth, 1.85 + margin, 2.4 + margin)
         quads += box(material, low, high, without="-x -y +y -z +z")
