@@ -1,0 +1,328 @@
+"""The curtain scene from beginning to end: a room, a curtain in the wind, a lamp outside; pictures, trees, measurements."""
+
+from __future__ import annotations
+
+import dataclasses
+import statistics
+import time
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Annotated, Literal
+
+import moderngl
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+
+from ..camera import Camera
+from ..environment import Environment, load_environment
+from ..errors import InputError
+from ..fabric import Fabric, load_fabric
+from ..scene import View
+from .cloth import CurtainParameters, CurtainSimulation
+from .lighting import Lamp, Lighting
+from .room import ROOM, Room, load_room
+from .tracer import Tracer, TraceSettings
+from .tree_view import draw_tree
+from .triangles import Triangles
+
+CLOTH = 0  # the number of the cloth's material; the room's follow
+CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
+VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
+Vec3 = tuple[float, float, float]
+
+
+class CurtainScene(BaseModel):
+    """The curtain scene; fields are options of `glcloth render curtain` and `glcloth animate curtain`.
+
+    Lengths in metres, +Y up; the window is in the plane z = 0, the room before it (z > 0), the lamp behind it.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+
+    fabric: str | Fabric = "sheer_voile"
+    room: str = ""  # an OBJ file; empty: the built-in room
+    curtain: CurtainParameters = CurtainParameters()
+    lamp_position: Vec3 = (1.6, 3.6, -5.0)
+    lamp_intensity: Vec3 = (190.0, 176.0, 150.0)
+    ambient: Vec3 = (0.3, 0.3, 0.31)
+    env: str = "sky"
+    env_rotate: float = 90.0
+    camera: View = View()
+    size: tuple[int, int] = (640, 640)
+    depth: Annotated[int, Field(ge=1, le=8)] = 4
+    spp: Annotated[int, Field(ge=1, le=4096)] = 1
+    spread: bool = False
+    accelerator: Literal["kdtree", "lbvh", "brute"] = "kdtree"
+    cutoff: Annotated[float, Field(ge=0, lt=1)] = 1e-3
+    rate: Annotated[int, Field(ge=1, le=240)] = 24  # frames per second
+    exposure: Annotated[float, Field(ge=-20, le=20)] = 0.0
+    view_transform: str = "standard"
+
+    @field_validator("size", mode="before")
+    @classmethod
+    def _size(cls, value):
+        if isinstance(value, str):
+            parts = value.lower().split("x")
+            if len(parts) != 2 or not all(p.isdigit() for p in parts):
+                raise ValueError(f"expected WIDTHxHEIGHT such as 640x480, not {value!r}")
+            value = tuple(int(p) for p in parts)
+        if any(not 1 <= v <= 16384 for v in value):
+            raise ValueError(f"expected 1 to 16384 pixels a side, not {value[0]}x{value[1]}")
+        return value
+
+    def changed(self, **changes) -> CurtainScene:
+        """The same scene with some fields replaced. Raises InputError for unknown fields and values out of range."""
+        return parse_curtain_scene({**self.model_dump(exclude_unset=True), **changes}, "scene")
+
+    @property
+    def settings(self) -> TraceSettings:
+        """How a picture of it is traced."""
+        return TraceSettings(self.depth, self.spp, self.spread, self.cutoff, self.accelerator)
+
+    @property
+    def lighting(self) -> Lighting:
+        """What lights it."""
+        return Lighting(Lamp(self.lamp_position, self.lamp_intensity), self.ambient)
+
+    @property
+    def view(self) -> Camera:
+        """Its camera; what the scene leaves open is that of the built-in room."""
+        c = self.camera
+        return Camera(c.eye or VIEW.eye, c.target or VIEW.target, c.up, c.fov_deg or VIEW.fov_deg)
+
+
+def parse_curtain_scene(data: dict, where: str = "scene") -> CurtainScene:
+    """Return the CurtainScene of a plain dictionary; `where` names its origin in errors. Raises InputError."""
+    try:
+        return CurtainScene.model_validate(data)
+    except ValidationError as error:
+        problem = error.errors()[0]
+        name = ": ".join(str(part) for part in problem["loc"])
+        if problem["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
+            known = CurtainScene.model_fields
+            if len(problem["loc"]) > 1:
+                known = [f.name for f in dataclasses.fields(CurtainParameters)]
+            raise InputError(f"{where}: {name}: unknown key; known keys: {', '.join(known)}") from None
+        if problem["type"] == "value_error":
+            raise InputError(f"{where}: {name}: {problem['ctx']['error']}") from None
+        message = problem["msg"][0].lower() + problem["msg"][1:]
+        raise InputError(f"{where}: {name} = {problem['input']!r}: {message}") from None
+
+
+class CurtainShow:
+    """A curtain scene on one OpenGL context, at one moment: `advance` moves it, `picture` traces it.
+
+    The room's triangles come first, then the curtain's; `triangles` holds them, `tracer` traces them.
+    """
+
+    def __init__(self, ctx: moderngl.Context, scene: CurtainScene | None = None, triangles: int | None = None):
+        """Read the files, hang the curtain and let it settle.
+
+        triangles : about how many triangles the room and the curtain shall have together (default: as the scene says)
+
+        Raises InputError for wrong files and values.
+        """
+        self.ctx = ctx
+        self.scene = scene = scene or CurtainScene()
+        self.fabric: Fabric = load_fabric(scene.fabric)
+        self.environment: Environment = load_environment(scene.env)
+        self.room: Room = load_room(scene.room or ROOM)
+        parameters = scene.curtain
+        if triangles is not None:
+            if triangles <= len(self.room.positions):
+                raise InputError(
+                    f"--triangles {triangles}: the room alone has {len(self.room.positions)}; give more, 12786 for example"
+                )
+            if triangles - len(self.room.positions) != parameters.triangle_count:
+                parameters = parameters.with_triangles(triangles - len(self.room.positions))
+        if self.fabric.transmission is not None:
+            parameters = dataclasses.replace(parameters, openness=self.fabric.transmission.openness)
+        self.simulation = CurtainSimulation(ctx, parameters)
+        self.frame = 0
+        room = len(self.room.positions)
+        cloth = 2 * (self.simulation.rows - 1) * (self.simulation.columns - 1)
+        reach = max(
+            float(np.abs(self.room.positions).max(initial=0.0)), parameters.width, parameters.top + parameters.drop
+        )
+        self.triangles = Triangles(ctx, room + cloth, max(reach, float(np.abs(scene.view.eye).max())))
+        self.triangles.set(0, self.room.positions, material=self.room.material + CLOTH + 1)
+        self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
+        self.tracer = Tracer(ctx)
+        self.tracer.set_scene(self.triangles, self.materials)
+        self._update()
+
+    def _update(self) -> None:
+        """Copy the curtain as it hangs now into the soup; the tree is out of date then."""
+        s = self.simulation
+        self.triangles.set_grid(
+            len(self.room.positions), s.rows, s.columns, s.position_buffer, s.normal_buffer, s.tangent_buffer, CLOTH
+        )
+        self._built: set[str] = set()
+
+    def advance(self, frames: int = 1) -> None:
+        """Let the wind blow for so many frames."""
+        for _ in range(frames):
+            self.simulation.step(1.0 / self.scene.rate)
+        self.frame += frames
+        self._update()
+
+    def build(self) -> None:
+        """Build the scene's structure for the present frame, if it is not yet."""
+        if self.scene.accelerator not in self._built:
+            self.tracer.build(self.scene.accelerator)
+            self._built.add(self.scene.accelerator)
+
+    def picture(self) -> np.ndarray:
+        """Trace the present frame: float32 [H, W, 3], linear Rec. 709, top row first."""
+        self.build()
+        s = self.scene
+        return self.tracer.trace(s.view, s.size, self.fabric, s.lighting, self.environment, s.settings, s.env_rotate)
+
+    def layers(self) -> np.ndarray:
+        """The present frame rasterised: sorted layers, blended, without shadows; result as for `picture`."""
+        background = tuple(map(float, self.environment.mean))
+        lighting = dataclasses.replace(self.scene.lighting, background=background)
+        return self.tracer.layers(self.scene.view, self.scene.size, self.fabric, lighting)
+
+    def tree(self, level: int | None = None, camera: Camera | None = None) -> np.ndarray:
+        """The structure of the present frame as a picture, of one level or (None) of its leaves; result as for `picture`."""
+        self.build()
+        material = np.concatenate(
+            [self.room.material + 1, np.zeros(self.triangles.count - len(self.room.material), int)]
+        )
+        colors = np.where((material == CLOTH)[:, None], CLOTH_TINT, self.materials[material])
+        arrays = self.tracer.structure(self.scene.accelerator).arrays()
+        positions = self.triangles.positions()
+        view = camera or self.scene.view
+        return draw_tree(
+            self.ctx, arrays, positions, colors, view, self.scene.size, self.scene.lamp_position, level,
+            _away(positions, view),
+        )  # fmt: skip
+
+    def frames(self, count: int, start: int = 0) -> Iterator[np.ndarray]:
+        """Yield the pictures of frames `start` to `count` - 1; the ones before are only simulated."""
+        if start > self.frame:
+            self.advance(start - self.frame)
+        while self.frame < count:
+            yield self.picture()
+            if self.frame + 1 >= count:
+                return
+            self.advance()
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self.tracer.release()
+        self.triangles.release()
+        self.simulation.release()
+
+    def __enter__(self) -> CurtainShow:
+        return self
+
+    def __exit__(self, *_) -> None:
+        self.release()
+
+
+def _away(positions: np.ndarray, camera: Camera) -> np.ndarray:
+    """Which triangles [T] of walls lie behind or beside the camera, seen from outside: they would hide everything."""
+    normal = np.cross(positions[:, 1] - positions[:, 0], positions[:, 2] - positions[:, 0])
+    size = np.linalg.norm(normal, axis=1)
+    toward = np.array(camera.eye) - positions.mean(1)
+    large = size > 0.5 * size.max()
+    return large & ((normal * toward).sum(1) < 0)
+
+
+def bench_curtain(
+    ctx: moderngl.Context, scene: CurtainScene | None = None, frames: int = 60, triangles: int | None = None
+) -> dict:
+    """Measure animated frames: simulation, build by stage, trace by level; medians in ms, wall and CPU time of the process.
+
+    scene : default: the built-in one at 320 x 320, depth 4
+    triangles : about how many, default 12,786
+
+    Returns sim_ms, build_ms, trace_ms, frame_ms, fps, cpu_ms (of all threads), triangles, rays (and per level), nodes, depth,
+    sah, steps and tests per ray, stages, levels. Raises InputError for fewer than 1 frame.
+    """
+    if frames < 1:
+        raise InputError(f"--frames {frames}: expected at least 1")
+    scene = scene or CurtainScene(size=(320, 320))
+    with CurtainShow(ctx, scene, triangles) as show:
+        rows: list[dict] = []
+        stages: list[dict] = []
+        show.picture()  # compiles
+        show.advance()
+        show.picture()
+        for _ in range(frames):
+            clock, cpu = [time.perf_counter()], time.process_time()
+            show.advance()
+            ctx.finish()
+            clock.append(time.perf_counter())
+            show.build()
+            ctx.finish()
+            clock.append(time.perf_counter())
+            show.picture()
+            clock.append(time.perf_counter())
+            sim, build, trace = (1000 * float(b - a) for a, b in pairwise(clock))
+            s = show.tracer.statistics
+            rows.append(
+                {
+                    "sim_ms": sim,
+                    "build_ms": build,
+                    "trace_ms": trace,
+                    "frame_ms": sim + build + trace,
+                    "cpu_ms": 1000 * (time.process_time() - cpu),
+                    "rays": sum(s.rays) + sum(s.shadow_rays),
+                }
+            )
+            stages.append(dict(s.build_ms))
+        structure = show.tracer.structure(scene.accelerator)
+        median = {name: round(statistics.median(row[name] for row in rows), 3) for name in rows[0]}
+        result = median | {
+            "fps": round(1000 / median["frame_ms"], 2),
+            "rays": int(median["rays"]),
+            "accelerator": scene.accelerator,
+            "triangles": show.triangles.count,
+            "size": list(scene.size),
+            "trace_depth": scene.depth,
+            "frames": frames,
+            "nodes": structure.node_count,
+            "leaf_triangles": structure.leaf_ref_count,
+            "build_stages_ms": {k: round(statistics.median(row[k] for row in stages), 3) for k in stages[0]},
+            "levels": [
+                {
+                    "rays": r,
+                    "shadow_rays": n,
+                    "trace_ms": round(a, 3),
+                    "shade_ms": round(b, 3),
+                    "shadow_ms": round(c, 3),
+                }
+                for r, n, a, b, c in zip(s.rays, s.shadow_rays, s.trace_ms, s.shade_ms, s.shadow_ms, strict=True)
+            ],
+            "renderer": ctx.info["GL_RENDERER"],
+        }
+        return result | _quality(show)
+
+
+def _quality(show: CurtainShow) -> dict:
+    """Depth and SAH cost of the tree, steps and triangle tests of a camera ray: they do not depend on the machine."""
+    structure = show.tracer.structure(show.scene.accelerator)
+    if show.scene.accelerator == "brute":
+        return {"depth": 0}
+    tree = structure.arrays()
+    leaf = tree["axis"] == 3
+    finite = np.isfinite(tree["low"]).all(1) & np.isfinite(tree["high"]).all(1)
+    e = np.where(finite[:, None], tree["high"].astype(float) - tree["low"], 0.0)
+    area = e[:, 0] * e[:, 1] + e[:, 1] * e[:, 2] + e[:, 2] * e[:, 0]
+    if not finite[0]:
+        area[0] = area[1:3].max()
+    C_ts = structure.parameters.C_ts if show.scene.accelerator == "kdtree" else 1.0
+    view, size = show.scene.view, (128, 128)
+    x, y = np.meshgrid(np.arange(size[0]) + 0.5, np.arange(size[1]) + 0.5)
+    d = np.stack([x, y, np.ones_like(x)], -1).reshape(-1, 3) @ view.ray_from_pixel(size).T
+    work = show.tracer.queries.closest_hit(structure, np.broadcast_to(view.eye, d.shape), d, counted=True).work
+    return {
+        "depth": int(tree["depth"].max()),
+        "sah": round(float((np.where(leaf, tree["count"], C_ts) * area).sum() / area[0]), 2),
+        "C_ts": C_ts,
+        "steps_per_ray": round(float(work[:, 0].mean()), 2),
+        "tests_per_ray": round(float(work[:, 1].mean()), 2),
+    }
