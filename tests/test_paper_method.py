@@ -66,7 +66,7 @@ def test_the_shader_is_its_twin(renderer, name, segments):
 def test_golden_at_16_segments_and_at_6(renderer, shared):
     """[Miz 8-16]  Within 3 % (median) of T times I, both exact, at 16 segments; of exact T with 6 segments at 6.
 
-    Tables of 32 x 32 directions and 97 %, which are quick; docs/paper-method.md has the figures for those of the paper.
+    Tables of 32 x 32 directions and 97 %, which are quick; docs/paper.md has the figures for those of the paper.
     """
     for segments, key, most in ((16, "L_paper_exactTI", 0.02), (6, "L_paper_6seg", 0.015)):
         errors, quick = [], dict(grid=32, contribution=0.97)
