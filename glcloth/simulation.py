@@ -129,6 +129,7 @@ class Cloth:
 
     # Self-contact lists are made every so many substeps, and hold what is nearer than LIST_REACH gaps.
     LIST_SUBSTEPS = 4
+    ROW_LIST_SUBSTEPS = 6
     LIST_REACH = 1.6
 
     def __init__(
@@ -257,7 +258,7 @@ class Cloth:
         backward = self.substeps_done & 1
         for parity in (0, 1):
             self._run(
-                self._program("strips"), "Position", self.rows // 2, group=16, parity=parity, backward=backward,
+                self._program("strips"), "Position", self.rows // 2, group=8, parity=parity, backward=backward,
                 rows=self.rows, columns=self.columns, rest=math.hypot(rest_u, rest_v),
                 shear_h2=_compliance(m.shear, h),
             )  # fmt: skip
@@ -267,7 +268,7 @@ class Cloth:
             (self.columns, self.rows, 1, self.columns, rest_v, rest_u),
         ):
             self._run(
-                self._program("lines"), "Position Eliminated", lines, group=16, lines=lines, count=count,
+                self._program("lines"), "Position Eliminated", lines, group=8, lines=lines, count=count,
                 line_stride=line_stride, stride=stride, backward=backward, rest=rest,
                 stretch_h2=_compliance(m.stretch * width / rest, h),
                 bend_h2=_compliance(m.bending * width / rest**3, h),
@@ -278,7 +279,7 @@ class Cloth:
     def _contact(self, V: int) -> None:
         m = self.parameters
         reach = self.LIST_REACH * m.gap
-        if m.contact_columns and self.substeps_done % (2 * self.LIST_SUBSTEPS) == 0:
+        if m.contact_columns and self.substeps_done % self.ROW_LIST_SUBSTEPS == 0:
             self._run(
                 self._program("near_rows"), "Position Near NearCount Overflow", V, vertex_count=V,
                 columns=self.columns, window=m.contact_columns, reach=reach,

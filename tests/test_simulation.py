@@ -91,7 +91,7 @@ def test_line_pass_is_the_exact_solution(make):
             ):
                 cloth.set_state(crumpled)
                 cloth._run(
-                    cloth._program("lines"), "Position Eliminated", lines, group=16, lines=lines, count=count,
+                    cloth._program("lines"), "Position Eliminated", lines, group=8, lines=lines, count=count,
                     line_stride=line_stride, stride=stride, backward=backward, rest=rest, stretch_h2=alpha_h2,
                     bend_h2=1e30,
                 )  # fmt: skip

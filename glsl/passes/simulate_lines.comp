@@ -4,7 +4,7 @@
 // bends (Gauss-Seidel, in a direction that alternates between substeps) and eliminates the edges two vertices behind;
 // on the way back it moves the vertices by the exact solution of all the line's edges.
 #include "simulate/constraint.glsl"
-layout(local_size_x = 16) in;
+layout(local_size_x = 8) in;
 layout(std430, binding = 0) buffer Position { vec4 x[]; };
 layout(std430, binding = 1) buffer Eliminated { vec2 eliminated[]; };   // pivot and d of the edge before each vertex
 uniform int lines;

@@ -2,7 +2,7 @@
 // Shear: both diagonals of every quad. One invocation per strip of quads between two rows; only even or only odd
 // strips in one dispatch, which share no vertex.
 #include "simulate/constraint.glsl"
-layout(local_size_x = 16) in;
+layout(local_size_x = 8) in;
 layout(std430, binding = 0) buffer Position { vec4 x[]; };
 uniform int rows;
 uniform int columns;
