@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated, Literal
@@ -53,17 +54,41 @@ class SceneOptions:
     exposure: Annotated[float | None, Parameter(help="Stops, for PNG.")] = None
     view_transform: Annotated[str | None, Parameter(help="standard, filmic or neutral, for PNG.")] = None
     background: Annotated[bool | None, Parameter(help="Show the environment behind the cloth.")] = None
+    accelerator: Annotated[str | None, Parameter(help="kdtree, lbvh or brute (curtain).")] = None
+    depth: Annotated[int | None, Parameter(help="Depth of the rays (curtain).")] = None
+    room: Annotated[str | None, Parameter(help="OBJ file of the room (curtain).")] = None
+    wind: Annotated[float | None, Parameter(help="Wind into the room, m/s (curtain).")] = None
+    fullness: Annotated[float | None, Parameter(help="Width of the cloth over that of the rail (curtain).")] = None
 
     def changes(self) -> dict:
         """The options that were given, as fields of Scene."""
         return {f.name: getattr(self, f.name) for f in fields(self) if getattr(self, f.name) is not None}
 
 
+# Options of a curtain that stand in its [curtain] table.
+CURTAIN_OPTIONS = ("wind", "fullness")
+
+
 def _scene(name: str | None, options: SceneOptions | None):
+    """The Scene or CurtainScene of a command."""
+    from .curtain.show import CurtainScene, load_curtain_scene
     from .scene import Scene, load_scene
 
-    scene = load_scene(name) if name else Scene()
-    return scene.changed(**options.changes()) if options else scene
+    changes = options.changes() if options else {}
+    curtain = load_curtain_scene(name) if name else None
+    if curtain is None:
+        if changes.get("method") == "trace":
+            raise InputError("--method trace: renders the curtain; give its scene: glcloth render curtain -o FILE")
+        scene = load_scene(name) if name else Scene()
+        return scene.changed(**changes)
+    method = changes.pop("method", "trace")
+    if method != "trace":
+        raise InputError(f"--method {method}: the curtain is ray traced, expected trace")
+    assert isinstance(curtain, CurtainScene)
+    table = {key: changes.pop(key) for key in CURTAIN_OPTIONS if key in changes}
+    if table:
+        changes["curtain"] = {**curtain.model_dump()["curtain"], **table}
+    return curtain.changed(**changes)
 
 
 def _print(as_json: bool, result: dict, line: str) -> None:
@@ -80,6 +105,13 @@ def render(
     *,
     output: Annotated[Path, _output("Picture to write, .png or .exr.")],
     options: SceneOptions | None = None,
+    frame: Annotated[int, Parameter(help="Frame of the moving curtain.")] = 48,
+    show_tree: Annotated[
+        str | None, Parameter(help="Curtain: the tree beside the picture: leaves, or a level.")
+    ] = None,
+    layers: Annotated[
+        bool, Parameter(negative="", help="Curtain: blended layers without shadows instead, to compare.")
+    ] = False,
     device: Device = None,
     json: Json = False,
 ) -> None:
@@ -92,10 +124,14 @@ def render(
     """
     from .image import check_output, write_image
     from .renderer import Renderer
+    from .scene import Scene
 
     chosen = _scene(scene, options)
     check_output(output)
     begin = time.perf_counter()
+    if not isinstance(chosen, Scene):
+        _render_curtain(chosen, output, frame, show_tree, layers, device, json)
+        return
     with Renderer(device) as renderer:
         frame = renderer.prepare(chosen)
         picture = renderer.render_frame(frame)
@@ -124,6 +160,36 @@ def render(
     _print(json, result, f"{output}: {frame.fabric.name}, method {chosen.method}, {seconds:.1f} s on {gl}")
 
 
+def _render_curtain(scene, output: Path, number: int, show_tree, layers: bool, device, json: bool) -> None:
+    import numpy as np
+
+    from .context import create_context
+    from .curtain.show import CurtainShow
+    from .image import write_image
+
+    if not 0 <= number <= 100_000:
+        raise InputError(f"--frame {number}: expected 0 to 100000")
+    if show_tree is not None and show_tree != "leaves" and not show_tree.isdigit():
+        raise InputError(f"--show-tree {show_tree}: expected leaves, or a level such as 8")
+    if show_tree is not None and scene.accelerator == "brute":
+        raise InputError("--show-tree: brute force has no tree; use --accelerator kdtree or lbvh")
+    begin = time.perf_counter()
+    with CurtainShow(create_context(device), scene) as show:
+        for _ in track(range(number), "the wind blows: frames", number):
+            show.advance()
+        picture = show.layers() if layers else show.picture()
+        if show_tree is not None:
+            tree = show.tree(None if show_tree == "leaves" else int(show_tree))
+            picture = np.hstack([picture[..., :3], tree[..., :3]])
+        triangles, name = show.triangles.count, show.fabric.name
+    settings = {"glcloth": __version__, "curtain": scene.model_dump(mode="json"), "frame": number}
+    write_image(output, picture, settings, exposure=scene.exposure, view_transform=scene.view_transform)
+    seconds = time.perf_counter() - begin
+    result = {"file": str(output), "width": picture.shape[1], "height": picture.shape[0], "method": "trace"}
+    result |= {"fabric": name, "frame": number, "triangles": triangles, "seconds": round(seconds, 3)}
+    _print(json, result, f"{output}: {name}, {triangles} triangles, frame {number}, {seconds:.1f} s")
+
+
 @app.command
 def animate(
     scene: str | None = None,
@@ -137,7 +203,7 @@ def animate(
     device: Device = None,
     json: Json = False,
 ) -> None:
-    """Render a sequence: one turn of the camera around the cloth.
+    """Render a sequence: the curtain in the wind, or one turn of the camera around the cloth.
 
     Parameters
     ----------
@@ -145,7 +211,10 @@ def animate(
         Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
     """
     from . import animate as sequence
+    from .context import create_context
+    from .curtain.show import CurtainShow
     from .renderer import Renderer
+    from .scene import Scene
 
     chosen = _scene(scene, options)
     if not 1 <= frames <= 100_000 or not 0 <= start < frames:
@@ -156,19 +225,48 @@ def animate(
     if video and start:
         raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
     begin = time.perf_counter()
-    with Renderer(device) as renderer:
-        pictures = sequence.turntable(renderer, renderer.prepare(chosen), frames, start)
+    with ExitStack() as stack:
+        if isinstance(chosen, Scene):
+            renderer = stack.enter_context(Renderer(device))
+            pictures = sequence.turntable(renderer, renderer.prepare(chosen), frames, start)
+        else:
+            chosen = chosen.changed(rate=rate)
+            pictures = stack.enter_context(CurtainShow(create_context(device), chosen)).frames(frames, start)
         look = chosen.exposure, chosen.view_transform
         if video:
             written = sequence.write_video(pictures, output, rate, *look)
         else:
-            settings = {"glcloth": __version__, "scene": chosen.model_dump(mode="json")}
+            key = "scene" if isinstance(chosen, Scene) else "curtain"
+            settings = {"glcloth": __version__, key: chosen.model_dump(mode="json")}
             written = sequence.write_frames(pictures, str(output), start, settings, *look)
         for _ in track(written, f"{output}: frames", frames - start):
             pass
     seconds = time.perf_counter() - begin
     result = {"file": str(output), "frames": frames - start, "seconds": round(seconds, 3)}
     _print(json, result, f"{output}: {frames - start} frames, {seconds / (frames - start):.2f} s each")
+
+
+@app.command
+def view(
+    scene: str | None = None,
+    /,
+    *,
+    watch: Annotated[
+        bool,
+        Parameter(negative="", help="Reload shaders, fabric, mesh, environment and scene when their files change."),
+    ] = False,
+    options: SceneOptions | None = None,
+) -> None:
+    """Open the window: edit a fabric while it renders.
+
+    Parameters
+    ----------
+    scene
+        Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
+    """
+    from .window import view as open_window
+
+    open_window(_scene(scene, options), watch, scene)
 
 
 @app.command
@@ -323,6 +421,26 @@ def bench_tables(
 
     result, lines = measure(fabrics, grid, contribution)
     _print(json, result, lines)
+
+
+@bench.command(name="curtain")
+def bench_curtain(
+    *,
+    frames: Annotated[int, Parameter(help="Animated frames; medians are reported.")] = 60,
+    triangles: Annotated[int, Parameter(help="About how many triangles, room and curtain together.")] = 12786,
+    options: SceneOptions | None = None,
+    device: Device = None,
+    json: Json = False,
+) -> None:
+    """Simulation, build and trace of the moving curtain, 320x320 unless --size says otherwise."""
+    from .context import create_context
+    from .curtain.show import bench_curtain as measure
+
+    options = options or SceneOptions()
+    options.size = options.size or "320x320"
+    result = measure(create_context(device), _scene("curtain", options), frames, triangles)
+    keys = ("triangles", "rays", "nodes", "sim_ms", "build_ms", "trace_ms", "frame_ms", "cpu_ms", "fps")
+    _print(json, result, "  ".join(f"{key} {result[key]}" for key in keys))
 
 
 def main(arguments: list[str] | None = None) -> None:

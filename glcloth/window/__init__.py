@@ -1,0 +1,21 @@
+"""The window: edit a fabric while it renders. Only `app` and `panels` touch a display; the other modules are plain values."""
+
+from __future__ import annotations
+
+from ..scene import Scene
+
+
+def view(scene: Scene, watch: bool = False, source: str | None = None) -> None:
+    """Open the window on a scene and stay until it is closed.
+
+    Parameters
+    ----------
+    watch : reload shaders, fabric, mesh, environment and scene files when they change
+    source : the file the scene came from, if any
+
+    Raises NoOpenGLError without a display or OpenGL 4.3, InputError when the scene's files cannot be read, and
+    ShaderError.
+    """
+    from .app import App
+
+    App(scene, watch, source).run()

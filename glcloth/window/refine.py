@@ -1,0 +1,229 @@
+"""From small to full size within a time budget: a picture that always answers, and ends as `render` makes it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import moderngl
+
+from .. import shader
+from ..renderer import Frame, Renderer
+
+BUDGET = 0.033  # seconds between two looks at the input
+LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)  # by how much a preview is smaller than the picture
+HALF_FROM = 0.5  # seconds of full size from which a picture of half the size comes first
+FINAL_UNIT, BASE_UNIT, COVER_UNIT = 0, 1, 2
+
+
+@dataclass
+class Side:
+    """What a side shows now.
+
+    Parameters
+    ----------
+    texture : linear, premultiplied, bottom row first; None before the first preview
+    scale : by how much it is smaller than the picture
+    version : changes with every new picture
+    share : 0 to 1, how much of the full picture is done; 1 only when it is `render`'s, bit for bit
+    """
+
+    texture: moderngl.Texture | None = None
+    scale: float = 1.0
+    share: float = 0.0
+    version: int = 0
+
+
+class Refiner:
+    """Draws one or two frames with one renderer. `show` says what; `work` draws for a while."""
+
+    def __init__(self, renderer: Renderer):
+        self.renderer = renderer
+        self.ctx = renderer.ctx
+        self.sides: list[Side] = []
+        self.preview_ms = 0.0
+        self._frames: list[Frame] = []
+        self._scale = 6.0
+        self._seconds_per_row: dict[tuple, float] = {}
+        self._targets: dict[tuple, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
+        self._copy = shader.program(self.ctx, "passes/screen.vert", "passes/refine.frag")
+        self._plan: Iterator[None] | None = None
+        self._until = 0.0
+
+    @property
+    def idle(self) -> bool:
+        """True when every side is at full quality (or nothing is shown)."""
+        return self._plan is None
+
+    def show(self, frames: list[Frame]) -> None:
+        """Draw these frames from now on; what was under way is dropped."""
+        self._frames = frames
+        self._plan = None
+        self._plan = self._all()
+        while len(self.sides) < len(frames):
+            self.sides.append(Side())
+        del self.sides[len(frames) :]
+        for side in self.sides:
+            side.share = 0.0
+
+    def work(self, budget: float = BUDGET) -> bool:
+        """Draw for about `budget` seconds; True when what a side shows has changed."""
+        if self._plan is None:
+            return False
+        changed = False
+        self._until = time.perf_counter() + budget
+        try:
+            while True:
+                changed |= next(self._plan)
+                if time.perf_counter() >= self._until:
+                    return changed
+        except StopIteration:
+            self._plan = None
+            return changed
+        except BaseException:
+            self._plan = None
+            raise
+
+    def finish(self) -> None:
+        """Draw until all is at full quality."""
+        while not self.idle:
+            self.work(10.0)
+
+    def release(self) -> None:
+        """Free the textures."""
+        self._plan = None
+        for texture, framebuffer in self._targets.values():
+            framebuffer.release()
+            texture.release()
+        self._targets = {}
+        self.sides = []
+
+    # -- the plan ----------------------------------------------------------------------------------------------------
+
+    def _all(self) -> Iterator[bool]:
+        """Previews of all sides, then each at full size; yields whether something new is to be seen."""
+        frames = list(self._frames)
+        begin = time.perf_counter()
+        for number, frame in enumerate(frames):
+            small = _smaller(frame, self._scale)
+            self.renderer.draw(small)
+            self._take(number, "preview", small, self._scale)
+        self.ctx.finish()
+        self._learn(time.perf_counter() - begin)
+        yield True
+        for number, frame in enumerate(frames):
+            heavy = frame.scene.method == "reference"
+            rows = self._seconds_per_row.get(_cost_key(frame), 1e-3)
+            if self._scale > 2.0 and (heavy or rows * frame.scene.size[1] * frame.scene.spp > HALF_FROM):
+                yield from self._at(number, _smaller(frame, 2.0), 2.0)
+        for number, frame in enumerate(frames):
+            yield from self._at(number, frame, 1.0)
+
+    def _learn(self, seconds: float) -> None:
+        """Choose the next preview's size from how long this one took."""
+        self.preview_ms = 1e3 * seconds
+        place = LADDER.index(self._scale)
+        if seconds > 1.15 * BUDGET and place + 1 < len(LADDER):
+            self._scale = LADDER[place + 1]
+        elif place > 0 and seconds * (self._scale / LADDER[place - 1]) ** 2 < 0.8 * BUDGET:
+            self._scale = LADDER[place - 1]
+
+    def _at(self, number: int, frame: Frame, scale: float) -> Iterator[bool]:
+        """Draw one frame in bands as high as the time left allows."""
+        key = _cost_key(frame, scale)
+        whole = 0
+        last = time.perf_counter()
+        wanted = [1]
+
+        def rows() -> int:
+            pace = self._seconds_per_row.get(key, BUDGET / 16)
+            left = max(self._until - time.perf_counter(), 0.25 * BUDGET)
+            wanted[0] = max(1, int(left / pace))
+            return wanted[0]
+
+        final = scale == 1.0
+        first = True
+        done = total = 0
+        for done, total in self.renderer.steps(frame, rows):
+            now = time.perf_counter()
+            # The first step also fills the G-buffer, which says nothing about rows.
+            if not first:
+                pace = (now - last) / min(wanted[0], frame.scene.size[1])
+                before = self._seconds_per_row.get(key, pace)
+                self._seconds_per_row[key] = 0.7 * before + 0.3 * min(pace, 4 * before)
+            first = False
+            if final and number < len(self.sides):
+                self.sides[number].share = min(done / total, 0.999)
+            if final and done > whole and done < total:
+                whole = done
+                self._take(number, "partial", frame, scale, done, total)
+                yield True
+            else:
+                yield False
+            last = time.perf_counter()
+        self._take(number, "full" if final else "half", frame, scale)
+        if final:
+            self.sides[number].share = 1.0
+        yield True
+
+    # -- what the sides show -----------------------------------------------------------------------------------------
+
+    def _take(self, number: int, stage: str, frame: Frame, scale: float, done: int = 1, total: int = 1) -> None:
+        """Copy the renderer's target into a texture of the side; a part of a sum is filled up with what is shown."""
+        side = self.sides[number]
+        texture, framebuffer = self._target(number, stage, frame.scene.size)
+        source = self.renderer.gbuffer
+        base = side.texture or texture
+        spp = frame.scene.spp
+        samples = done * spp // total
+        partial = stage == "partial"
+        gain = (spp / samples if samples else float(spp)) if partial else 1.0
+        source.color.use(FINAL_UNIT)
+        base.use(BASE_UNIT)
+        source.frame_N.use(COVER_UNIT)
+        shader.set_uniforms(self._copy, gain=gain, mode=0 if not partial else 1 if samples else 2)
+        framebuffer.use()
+        self.ctx.enable_only(moderngl.NOTHING)
+        array = self.ctx.vertex_array(self._copy, [])
+        array.render(moderngl.TRIANGLES, vertices=3)
+        array.release()
+        if partial and frame.scene.background:
+            self.renderer.draw_background(frame, framebuffer)
+        side.texture, side.scale = texture, scale
+        side.version += 1
+
+    def _target(self, number: int, stage: str, size: tuple[int, int]):
+        # A part is filled up with the picture shown so far, so it must not overwrite that one: two take turns.
+        if stage == "partial":
+            current = self.sides[number].texture
+            for turn in ("partial 0", "partial 1"):
+                found = self._targets.get((number, turn))
+                if found is None or found[0] is not current:
+                    stage = turn
+                    break
+        key = (number, stage)
+        found = self._targets.get(key)
+        if found is None or found[0].size != size:
+            if found is not None:
+                if self.sides[number].texture is found[0]:
+                    self.sides[number].texture = None
+                self.ctx.detect_framebuffer(0).use()
+                found[1].release()
+                found[0].release()
+            texture = self.ctx.texture(size, 4, dtype="f4")
+            texture.filter = moderngl.LINEAR, moderngl.LINEAR
+            texture.repeat_x = texture.repeat_y = False
+            self._targets[key] = texture, self.ctx.framebuffer([texture])
+        return self._targets[key]
+
+
+def _smaller(frame: Frame, scale: float) -> Frame:
+    """The same view in fewer pixels, one sample each; the reference, which no budget holds, is stood in for by direct."""
+    size = tuple(max(1, round(side / scale)) for side in frame.scene.size)
+    method = "direct" if frame.scene.method == "reference" else frame.scene.method
+    return replace(frame, scene=frame.scene.model_copy(update={"size": size, "spp": 1, "method": method}))
+
+
+def _cost_key(frame: Frame, scale: float = 1.0) -> tuple:
+    return frame.scene.method, frame.scene.quality, frame.scene.size[0], scale

@@ -1,0 +1,113 @@
+"""Meshes, maps, fits and tables, made beside the window so that it never waits for one."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..environment import Environment, load_environment, rotation_y
+from ..fabric import Fabric, load_fabric
+from ..fit import FitReport, fit_report
+from ..lights import Lights
+from ..mesh import Mesh, load_mesh
+from ..precompute import shapes_of
+from ..scene import Scene
+from ..tables import tables_for
+
+KEPT = 4  # results of each kind
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """Everything a scene needs beside itself."""
+
+    fabric: Fabric
+    mesh: Mesh
+    environment: Environment
+    report: FitReport
+    lights: Lights  # turned as the scene says
+
+
+class Resources:
+    """Loads and computes in one thread of its own; `ask` never waits."""
+
+    def __init__(self):
+        self._pool = ThreadPoolExecutor(1, thread_name_prefix="resources")
+        self._kinds: dict[str, OrderedDict[Any, Future]] = {}
+        self.doing = ""  # what the last `ask` waits for, in words
+
+    def close(self) -> None:
+        """Drop what has not begun; what runs ends by itself."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+    def ask(self, scene: Scene, fabric: Fabric) -> Ready | None:
+        """All that a scene needs, or None while something of it is still being made.
+
+        Raises what the making raised (InputError for a bad file); asking again then begins anew.
+        """
+        self.doing = ""
+        mesh = self._get("mesh", (scene.mesh, _stamp(scene.mesh)), lambda: load_mesh(scene.mesh), "reading the mesh")
+        map_key = (scene.env, _stamp(scene.env))
+        environment = self._get("env", map_key, lambda: load_environment(scene.env), "reading the environment")
+        if mesh is None or environment is None:
+            return None
+        report = self._get(
+            "fit",
+            (map_key, scene.lobes),
+            lambda: fit_report(environment, scene.lobes),
+            f"fitting {scene.lobes} lobes to {environment.name}",
+        )
+        if report is None:
+            return None
+        if scene.method == "paper":
+            # They land in the cache on disk, where the method finds them.
+            key = (shapes_of(fabric), scene.grid, scene.contribution)
+            make = lambda: tables_for(fabric, scene.grid, scene.contribution).grid  # noqa: E731
+            if self._get("tables", key, make, f"making the tables of {fabric.name}") is None:
+                return None
+        lights = self._get(
+            "lights",
+            (map_key, scene.lobes, scene.env_rotate),
+            lambda: report.lights.rotated(rotation_y(scene.env_rotate)),
+            "",
+            beside=False,
+        )
+        return Ready(fabric, mesh, environment, report, lights)
+
+    def fabric(self, name: str) -> Fabric:
+        """A fabric of a name or file, read now (it is a small file)."""
+        return load_fabric(name)
+
+    def _get(self, kind: str, key: Any, make: Callable[[], Any], words: str, beside: bool = True) -> Any:
+        found = self._kinds.setdefault(kind, OrderedDict())
+        if key not in found:
+            if beside:
+                found[key] = self._pool.submit(make)
+            else:
+                found[key] = Future()
+                found[key].set_result(make())
+            while len(found) > KEPT:
+                # A drag asks for many fits; those that nobody waits for any longer are not begun.
+                found.popitem(last=False)[1].cancel()
+        found.move_to_end(key)
+        future = found[key]
+        if not future.done():
+            self.doing = words
+            return None
+        try:
+            return future.result()
+        except BaseException:
+            del found[key]
+            raise
+
+
+def _stamp(name: str) -> float | None:
+    """When a file was last changed; None for built-in names."""
+    try:
+        return Path(name).stat().st_mtime
+    except OSError:
+        return None
