@@ -174,7 +174,7 @@ def test_bending_is_that_of_a_beam(make):
     assert sag[-1] == pytest.approx(sigma * G * (length - cell / 2) ** 4 / (8 * D), rel=0.06)
 
 
-def test_cloth_hangs_the_same_way_on_both_bodies_of_equal_shape(make):
+def test_same_bits_in_every_run(make):
     """Bit for bit the same in two runs: contacts, friction and gusts included."""
     results = []
     for _ in range(2):
