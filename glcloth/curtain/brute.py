@@ -28,6 +28,7 @@ class Brute:
     def bind(self, program) -> None:
         """Bind what passes/accel_brute.glsl reads."""
         self._triangles.corners.bind(8)
+        self._triangles.attributes.bind(9)
 
     def chunks(self):
         """The uniforms of each dispatch that one query takes."""

@@ -25,7 +25,7 @@ LONGEST_LEAF = 60_000  # a loop over more triangles could end silently on a soft
 # Texture units and storage bindings of the passes kdtree_*.comp; two `active` lists take turns.
 UNITS = {
     "corners": 0, "refs": 1, "nodes": 2, "active": 3, "lanes": 4, "masks": 5, "roots": 6, "places": 7, "bounds": 8,
-    "leaf_triangles": 9,
+    "leaf_triangles": 9, "attributes": 10,
 }  # fmt: skip
 BINDINGS = {
     "refs": 1, "nodes": 3, "lanes": 4, "active": 6, "roots": 7, "masks": 8, "sizes": 9, "places": 10,
@@ -122,6 +122,7 @@ class KdTree:
         self._read("nodes")
         self._counters.bind_to_storage_buffer(COUNTERS_BINDING)
         triangles.corners.bind(UNITS["corners"])
+        triangles.attributes.bind(UNITS["attributes"])
         self._write("active", "active_a")
         self._run("init", -(-triangles.count // 64), triangle_count=triangles.count, padding=triangles.padding)
         self._lap("init")

@@ -61,6 +61,7 @@ class Lbvh:
             self._buffers["bvh_nodes"].write(_node(0))
             return
         triangles.corners.bind(0)
+        triangles.attributes.bind(10)
         self._write("lanes")
         self._run("lbvh_bounds", LANES, triangle_count=n, lanes=LANES)
         lanes = np.frombuffer(self._buffers["lanes"].buffer.read(), np.float32).reshape(LANES, 2, 4)[:, :, :3]

@@ -9,6 +9,6 @@ struct Visit {
 
 float reach(Visit visit) { return visit.t; }
 
-void meet(inout Visit visit, Ray ray, uint triangle, vec4 hit, vec2 window) {
-    if (hit.x > ray.t_min && hit.x < visit.t) visit = Visit(0.0, triangle, hit.yz);
+void meet(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
+    if (hit.x > ray.t_min && hit.x < visit.t) visit = Visit(0.0, tag & ~SOLID, hit.yz);
 }

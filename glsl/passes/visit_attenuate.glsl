@@ -12,14 +12,14 @@ const int NOTED_LAYERS = 8;
 struct Visit {
     vec3 through;
     float t;       // nothing beyond matters: t_max, or 0 when no light is left
-    vec4 counted;  // t of the latest hits that counted
+    float counted;  // t of the latest hit that counted
     int layers;    // noted and not reckoned yet
     uvec4 latest;  // their triangles, the latest first; shifted along, because an indexed array goes through memory
     uvec4 earlier;
 };
 
 Visit start_visit(float t_max) {
-    return Visit(vec3(1.0), t_max, vec4(-1.0), 0, uvec4(0u), uvec4(0u));
+    return Visit(vec3(1.0), t_max, -1.0, 0, uvec4(0u), uvec4(0u));
 }
 
 float reach(Visit visit) { return visit.t; }
@@ -40,16 +40,15 @@ void reckon(inout Visit visit, Ray ray) {
     visit.layers = 0;
 }
 
-void meet(inout Visit visit, Ray ray, uint triangle, vec4 hit, vec2 window) {
+void meet(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
     float hair = 1e-5 * (1.0 + hit.x);
     bool inside = hit.x > ray.t_min && hit.x < visit.t && hit.x >= window.x - hair && hit.x <= window.y + hair;
-    if (!inside || any(lessThan(abs(visit.counted - hit.x), vec4(hair)))) return;
-    visit.counted = vec4(hit.x, visit.counted.xyz);
-    int material = int(texelFetch(attribute_data, int(triangle)).x);
-    bool blocked = texelFetch(material_data, material).w < 0.5 || visit.layers == NOTED_LAYERS;
+    if (!inside || abs(visit.counted - hit.x) < hair) return;
+    visit.counted = hit.x;
+    bool blocked = (tag & SOLID) != 0u || visit.layers == NOTED_LAYERS;
     visit.through = blocked ? vec3(0.0) : visit.through;
     visit.t = blocked ? 0.0 : visit.t;
     visit.earlier = uvec4(visit.latest.w, visit.earlier.xyz);
-    visit.latest = uvec4(triangle, visit.latest.xyz);
+    visit.latest = uvec4(tag, visit.latest.xyz);
     visit.layers += 1;
 }

@@ -10,7 +10,8 @@ struct Visit {
 
 float reach(Visit visit) { return visit.t; }
 
-void meet(inout Visit visit, Ray ray, uint triangle, vec4 hit, vec2 window) {
+void meet(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
+    uint triangle = tag & ~SOLID;
     if (hit.x > ray.t_min && (hit.x < visit.t || hit.x == visit.t && triangle < visit.triangle)) {
         visit = Visit(hit.x, triangle, hit.yz);
     }

@@ -20,6 +20,7 @@ const uint EMPTY_LEAF = 3u;
 const uint LARGE_LEAF = 4u;      // its triangles are a range of references: it could not be split
 
 const uint NO_TRIANGLE = 0xffffffffu;
+const uint SOLID = 0x80000000u;  // beside a triangle's number: it is not cloth
 const int STACK = 48;            // the deepest a tree may be: LARGE_LEVELS + SMALL_LEVELS
 const int LARGE_LEVELS = 28;
 const int SMALL_LEVELS = 20;
