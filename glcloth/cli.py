@@ -247,29 +247,6 @@ def animate(
 
 
 @app.command
-def view(
-    scene: str | None = None,
-    /,
-    *,
-    watch: Annotated[
-        bool,
-        Parameter(negative="", help="Reload shaders, fabric, mesh, environment and scene when their files change."),
-    ] = False,
-    options: SceneOptions | None = None,
-) -> None:
-    """Open the window: edit a fabric while it renders.
-
-    Parameters
-    ----------
-    scene
-        Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
-    """
-    from .window import view as open_window
-
-    open_window(_scene(scene, options), watch, scene)
-
-
-@app.command
 def tables(
     *fabrics: str,
     grid: Annotated[int, Parameter(help="Directions per axis.")] = 48,
@@ -322,6 +299,21 @@ def env(
     write_image(picture, fit_picture(environment, report.lights))
     result = {"file": str(target), "picture": str(picture), **report.as_dict()}
     _print(json, result, f"{report}\n{target}, {picture}")
+
+
+@app.command
+def drape(*, output: Annotated[Path, _output("Mesh to write, .ply, .obj or .glb.")], device: Device = None) -> None:
+    """Make the built-in cloth again by simulation: a sheet that falls over a sphere and a table's edge."""
+    from .context import create_context
+    from .drape import drape as simulate
+    from .mesh import SAVE_SUFFIXES, save_mesh
+
+    if output.suffix.lower() not in SAVE_SUFFIXES:
+        raise InputError(f"{output}: cannot write {output.suffix or 'a file without suffix'}, expected {SAVE_SUFFIXES}")
+    check_writable(output)
+    mesh = simulate(create_context(device))
+    save_mesh(output, mesh)
+    say(f"{output}: {len(mesh.triangles)} triangles")
 
 
 @app.command

@@ -5,8 +5,10 @@ from __future__ import annotations
 import dataclasses
 import statistics
 import time
+import tomllib
 from collections.abc import Iterator
 from itertools import pairwise
+from pathlib import Path
 from typing import Annotated, Literal
 
 import moderngl
@@ -17,6 +19,7 @@ from ..camera import Camera
 from ..environment import Environment, load_environment
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
+from ..image import read_settings
 from ..scene import View
 from .cloth import CurtainParameters, CurtainSimulation
 from .lighting import Lamp, Lighting
@@ -107,6 +110,27 @@ def parse_curtain_scene(data: dict, where: str = "scene") -> CurtainScene:
             raise InputError(f"{where}: {name}: {problem['ctx']['error']}") from None
         message = problem["msg"][0].lower() + problem["msg"][1:]
         raise InputError(f"{where}: {name} = {problem['input']!r}: {message}") from None
+
+
+def load_curtain_scene(name_or_path: str | Path) -> CurtainScene | None:
+    """Return the curtain scene of a name or file, or None when that is no curtain scene (another loader may know it).
+
+    A curtain scene is the built-in `curtain`, a .toml file with a [curtain] table, or a picture rendered from one.
+    Raises InputError for a curtain scene with wrong values.
+    """
+    text, path = str(name_or_path), Path(name_or_path)
+    if text == "curtain":
+        return CurtainScene()
+    if path.suffix.lower() in (".exr", ".png"):
+        data = read_settings(path) or {}
+        return parse_curtain_scene(data["curtain"], text) if "curtain" in data else None
+    if path.suffix == ".toml" and path.is_file():
+        try:
+            data = tomllib.loads(path.read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
+            return None
+        return parse_curtain_scene(data, text) if "curtain" in data else None
+    return None
 
 
 class CurtainShow:
