@@ -142,7 +142,7 @@ def test_wrong_fabric_files(tmp_path, capsys, change, said):
         (["--method", "fast"], "direct, paper"),
         (["--quality", "best"], "draft, normal"),
         (["--spp", "0"], "spp"),
-        (["--segments", "0"], "segments"),
+        (["--segments", "1"], "segments"),
         (["--cube", "1"], "cube"),
         (["--contribution", "1.5"], "contribution"),
         (["--env-rotate", "north"], "env-rotate"),
