@@ -14,14 +14,14 @@ from ..lights import Lights
 from ..reference.node import column_width
 from ..reference.slots import ANGLE_SERIES
 from . import schedule as plan
-from .gaussian_nodes import SUN, gaussian_table, node_count, warm
+from .gaussian_nodes import SKY_SHARPNESS, SUN, gaussian_table, node_count, sky_nodes, warm
 from .lobe_nodes import ends, lobe_table
 from .settings import Settings
 
-NODE_UNIT, ENTRY_UNIT, LOBE_UNIT, LIGHT_UNIT = 8, 9, 10, 11
+NODE_UNIT, ENTRY_UNIT, LOBE_UNIT, POOL_UNIT, SKY_UNIT = 8, 9, 10, 11, 12
 ENTRY_TEXELS = 5
 MAX_PHI_PAIRS = 8
-MAP_SIZE = 160  # of the octahedral map of pooled light: sharpness 30 needs a texel of a degree
+MAP_SIZE = 160  # of the octahedral maps of light: sharpness 30 needs a texel of a degree
 # What programs are compiled for: (groups, tangents a group, with pooled nodes). The first that a fabric fits serves it.
 VARIANTS = ((1, 4, False), (1, 4, True), (2, 3, True), (2, 4, True), (8, 4, True))
 
@@ -40,16 +40,21 @@ class Direct:
         self._node_data = TextureBuffer(ctx, 1 << 18)
         self._entry_data = TextureBuffer(ctx, 16 * ENTRY_TEXELS * 64)
         self._lobe_data = TextureBuffer(ctx, 1 << 16)
-        self._pool_data = TextureBuffer(ctx, 32 * 64)
-        self._map = ctx.texture((MAP_SIZE, MAP_SIZE), 4, np.zeros((MAP_SIZE, MAP_SIZE, 4), "f4").tobytes(), dtype="f4")
-        self._map.filter = moderngl.LINEAR, moderngl.LINEAR
-        self._map.repeat_x = self._map.repeat_y = False
+        self._map_data = TextureBuffer(ctx, 32 * 64)
+        self._maps = {unit: self._empty_map() for unit in (POOL_UNIT, SKY_UNIT)}
         self._map_program = None
         self._keys: dict[str, object] = {}
         self._uniforms: dict[str, np.ndarray] = {}
         self._variant = VARIANTS[0]
         self._evaluations = 0
         self._warm: set[str] = set()
+
+    def _empty_map(self) -> moderngl.Texture:
+        size = MAP_SIZE, MAP_SIZE
+        texture = self.ctx.texture(size, 4, np.zeros((*size, 4), "f4").tobytes(), dtype="f4")
+        texture.filter = moderngl.LINEAR, moderngl.LINEAR
+        texture.repeat_x = texture.repeat_y = False
+        return texture
 
     # -- what changed ----------------------------------------------------------------------------------------------
 
@@ -66,9 +71,12 @@ class Direct:
         lobes = plan.pooled_lobes(fabric)
         sharpness = lights.gaussians.sharpness
         pooled = plan.pooled_share(sharpness, lobes)
-        nodes = self._write_entries(lights, schedule, lobes, pooled, fabric)
+        sky = plan.sky_share(sharpness, pooled, lobes)
+        nodes = self._write_entries(lights, schedule, lobes, pooled, sky, fabric)
         pool = self._write_lobes(fabric, schedule, lobes, pooled)
-        self._write_map(lights, pooled)
+        # What the sky carries is wholly pooled in the lobes that are pooled.
+        self._write_map(POOL_UNIT, lights, sky + (1.0 - sky) * pooled)
+        self._write_map(SKY_UNIT, lights, sky)
         self._set_fabric(fabric, pool > 0)
         self._evaluations = nodes * len(fabric.tangents) + pool
 
@@ -85,16 +93,16 @@ class Direct:
         warm(0, SUN, SUN)
         self._warm.add(quality)
 
-    def _write_entries(self, lights: Lights, schedule, lobes, pooled, fabric) -> int:
+    def _write_entries(self, lights: Lights, schedule, lobes, pooled, sky, fabric) -> int:
         """Upload the rules and the Gaussians that use them; returns the number of nodes."""
         gaussians = lights.gaussians
         axis, amplitude, sharp, share, level = [], [], [], [], []
         for k in range(len(gaussians)):
-            if not gaussians.amplitude[k].any():
+            if sky[k] == 1.0 or not gaussians.amplitude[k].any():
                 continue
             for one, part in plan.levels(schedule, gaussians.sharpness[k], pooled[k], lobes):
                 axis.append(gaussians.axis[k])
-                amplitude.append(gaussians.amplitude[k] * part)
+                amplitude.append(gaussians.amplitude[k] * (1.0 - sky[k]) * part)
                 sharp.append(max(float(gaussians.sharpness[k]), 1e-2))
                 share.append(pooled[k])
                 level.append(one)
@@ -107,8 +115,9 @@ class Direct:
         if not axis:
             axis, amplitude, sharp, share, level = [(0.0, 0.0, 1.0)], [(0.0, 0.0, 0.0)], [1.0], [0.0], [0]
         key = tuple(zip(sharp, level, strict=True))
-        if self._keys.get("nodes") != key:
-            self._keys["nodes"] = key
+        sky_levels = plan.sky_levels(schedule, lobes) if sky.any() else [(0, 0.0)]
+        if self._keys.get("nodes") != (key, sky_levels):
+            self._keys["nodes"] = key, sky_levels
             first, tables, starts = 0, [], {}
             for pair in dict.fromkeys(key):
                 table = gaussian_table(*pair)
@@ -116,29 +125,42 @@ class Direct:
                 first += len(table)
                 tables.append(table)
             self._starts = starts
-            self._node_data.write(np.concatenate(tables))
+            fixed = np.concatenate([sky_nodes(one) * (1.0, 1.0, 1.0, part) for one, part in sky_levels])
+            texels = np.concatenate([*(table.reshape(-1, 4) for table in tables), fixed.astype("f4")])
+            self._uniforms["sky_nodes"] = np.array([len(texels) - len(fixed), len(texels)], "i4")
+            self._node_data.write(texels)
         records = np.zeros((len(axis), ENTRY_TEXELS, 4), "f4")
         records[:, 0, :3], records[:, 1, :3] = axis, amplitude
         starts = [self._starts[pair] << 8 | node_count(pair[1]) for pair in key]
         records[:, 0, 3] = np.array(starts, "i4").view("f4")
         records[:, 1, 3] = column_width(sharp)
         sharp, share, level = np.array(sharp), np.array(share), np.array(level)
+        for one in np.unique(level):
+            mine = level == one
+            records[mine, 2:] = self._lobe_records(int(one), sharp[mine], share[mine], lobes, fabric)
+        # Two rules of the sky differ little; the finer one says how its nodes widen the lobes.
+        one = self._lobe_records(sky_levels[-1][0], np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
+        self._uniforms |= dict(zip(("sky_kept", "sky_sharp", "sky_height"), one, strict=True))
+        self._entry_data.write(records)
+        self._uniforms["entry_count"] = np.array([len(axis)], "i4")
+        return int(sum(node_count(int(one)) for one in (*level, *(one for one, part in sky_levels if part > 0.0))))
+
+    @staticmethod
+    def _lobe_records(level: int, sharpness, pooled, lobes, fabric) -> np.ndarray:
+        """How nodes of one level see the lobes: (kept share, sharpness, log2 of the amplitude) [K, 3, 4] float32.
+
+        Components: surface of yarn 0 and 1, volume of yarn 0 and 1.
+        """
         gammas = np.array([lobes[0].gamma_s, lobes[1].gamma_s, lobes[0].gamma_v, lobes[1].gamma_v])
         own = np.array([lobes[0].share_s, lobes[1].share_s, lobes[0].share_v, lobes[1].share_v])
         k_d = np.array([0.0, 0.0, fabric.yarn[0].k_d, fabric.yarn[1].k_d])
-        for one in np.unique(level):
-            mine = level == one
-            kept = np.stack([plan.kept_share(int(one), sharp[mine], gamma) for gamma in gammas], -1)
-            variance = 1.0 / (sharp[mine] + plan.CUT_SHARPNESS)
-            # Of theta_i + theta_o = 2 theta_h; the little Gaussian of a node widens the lobe.
-            width2 = 4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None]
-            records[mine, 2], records[mine, 3] = kept, np.sqrt(1.0 / (width2 * np.log(2)))
-            left = (1.0 - share[mine, None] * own) * (1.0 - k_d)
-            amplitude = left * 2.0 / np.sqrt(np.pi * width2)
-            records[mine, 4] = np.log2(np.maximum(amplitude, 1e-30))
-        self._entry_data.write(records)
-        self._uniforms["entry_count"] = np.array([len(axis)], "i4")
-        return int(sum(node_count(int(one)) for one in level))
+        kept = np.stack([plan.kept_share(level, sharpness, gamma) for gamma in gammas], -1)
+        variance = 1.0 / (sharpness + plan.CUT_SHARPNESS)
+        # Of theta_i + theta_o = 2 theta_h; the little Gaussian of a node widens the lobe.
+        width2 = 4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None]
+        amplitude = (1.0 - pooled[:, None] * own) * (1.0 - k_d) * 2.0 / np.sqrt(np.pi * width2)
+        height = np.log2(np.maximum(amplitude, 1e-30))
+        return np.stack([kept, np.sqrt(1.0 / (width2 * np.log(2))), height], 1).astype("f4")
 
     def _write_lobes(self, fabric: Fabric, schedule, lobes, pooled) -> int:
         """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them."""
@@ -179,22 +201,22 @@ class Direct:
         self._uniforms["pool_counts"] = np.array([max(len(tangents), 1), count, pairs], "i4")
         return len(tangents) * count * pairs * 2
 
-    def _write_map(self, lights: Lights, pooled: np.ndarray) -> None:
-        """Draw the radiance of the pooled Gaussians into its map."""
-        mine = pooled > 0.0
+    def _write_map(self, unit: int, lights: Lights, share: np.ndarray) -> None:
+        """Draw the radiance of the given shares of the Gaussians into one of the maps."""
+        mine = share > 0.0
         gaussians = lights.gaussians
         records = np.zeros((int(mine.sum()), 2, 4), "f4")
         records[:, 0, :3], records[:, 0, 3] = gaussians.axis[mine], gaussians.sharpness[mine]
-        records[:, 1, :3] = gaussians.amplitude[mine] * pooled[mine, None]
+        records[:, 1, :3] = gaussians.amplitude[mine] * share[mine, None]
         key = records.tobytes()
-        if self._keys.get("map") == key or not len(records):
+        if self._keys.get(unit) == key:
             return
-        self._keys["map"] = key
+        self._keys[unit] = key
         if self._map_program is None:
-            self._map_program = shader.compute(self.ctx, "passes/pooled_light.comp")
-        self._pool_data.write(records)
-        self._pool_data.bind(ENTRY_UNIT)
-        self._map.bind_to_image(0, read=False, write=True)
+            self._map_program = shader.compute(self.ctx, "passes/light_map.comp")
+        self._map_data.write(records)
+        self._map_data.bind(ENTRY_UNIT)
+        self._maps[unit].bind_to_image(0, read=False, write=True)
         self._map_program["gaussian_count"].value = len(records)
         groups = -(-MAP_SIZE // 8)
         self._map_program.run(groups, groups)
@@ -247,7 +269,8 @@ class Direct:
         self._node_data.bind(NODE_UNIT)
         self._entry_data.bind(ENTRY_UNIT)
         self._lobe_data.bind(LOBE_UNIT)
-        self._map.use(LIGHT_UNIT)
+        for unit, texture in self._maps.items():
+            texture.use(unit)
         for name, value in self._uniforms.items():
             if name in program:
                 uniform = program[name]

@@ -119,6 +119,23 @@ def exact_table(sharpness: float, level: int) -> np.ndarray:
     return table
 
 
+SKY_SHARPNESS = 1.5  # of the Gaussian about N whose rule the sky's nodes are
+
+
+@lru_cache
+def sky_nodes(level: int) -> np.ndarray:
+    """Directions above the horizon, surface frame, and solid angles: [node_count, 4] for light that is broad.
+
+    The rule of a Gaussian about N, divided by the Gaussian. Its rows lie diagonally to the yarns.
+    """
+    rule = exact_table(SKY_SHARPNESS, level)[:-1, 0]
+    mass = np.exp(exact_table(SKY_SHARPNESS, level)[-1, 0, 3])
+    a, b, c, share = rule.T
+    diagonal = np.sqrt(0.5)
+    omega = np.stack([diagonal * (b - a), diagonal * (a + b), c], -1)
+    return np.concatenate([omega, (share * mass * np.exp(SKY_SHARPNESS * (1.0 - c)))[:, None]], -1)
+
+
 def _th_rule(k: float, n: int) -> tuple[np.ndarray, np.ndarray]:
     """Gauss nodes [n] and weights in th; the mass of a row goes as 1 / sqrt(1 + k cos th), and is divided out again."""
     reach = min(HALF, 6.5 / np.sqrt(0.5 * k + 1e-9))

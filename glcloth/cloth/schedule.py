@@ -19,21 +19,24 @@ class Schedule:
     ----------
     sharper : sharpness, for linen's lobes of 12 degrees, below which level 1, 2, ... of the ladder is used
     shift : levels added to that
+    sky : level of the fixed nodes on which the broadest Gaussians are summed, for linen
     theta_count, phi_pairs : nodes of the pooled lobes of a tangent: in theta, and pairs in phi
     """
 
-    sharper: tuple[float, ...] = (300.0, 22.0, 6.0, 2.2, 0.9)
+    sharper: tuple[float, ...] = (220.0, 15.0, 4.5, 1.5, 0.55)
     shift: int = 0
+    sky: int = 6
     theta_count: int = 3
     phi_pairs: int = 4
 
 
 SCHEDULES = {
-    "draft": Schedule(sharper=(150.0, 12.0, 3.0), phi_pairs=3),
+    "draft": Schedule(sharper=(120.0, 9.0, 2.5), sky=5, phi_pairs=3),
     "normal": Schedule(),
-    "high": Schedule(shift=2, theta_count=5, phi_pairs=6),
+    "high": Schedule(sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, sky=8, theta_count=5, phi_pairs=6),
 }
 
+SKY_SHARPNESS = (4.0, 6.0)  # Gaussians broader than this are summed on nodes that are fixed to the surface
 POOLED_SHARPNESS = (22.0, 30.0)  # Gaussians broader than this may be summed on the nodes of a narrow lobe ...
 POOLED_RATIO = (1.0, 1.3)  # ... when sigma is this many times the lobe's width 2 gamma or more, ...
 NARROW_DEG = (7.0, 9.0)  # ... and gamma at most this
@@ -93,23 +96,43 @@ def pooled_share(sharpness: np.ndarray, lobes: tuple[Lobes, Lobes]) -> np.ndarra
     return broad * smoothstep(*POOLED_RATIO, sigma / max(widths))
 
 
-def levels(schedule: Schedule, sharpness: float, pooled: float, lobes: tuple[Lobes, Lobes]) -> list[tuple[int, float]]:
-    """The level or the two levels of the ladder for one Gaussian, with their shares (sum 1).
+def sky_share(sharpness: np.ndarray, pooled: np.ndarray, lobes: tuple[Lobes, Lobes]) -> np.ndarray:
+    """How much [K] of each Gaussian the sky's nodes carry; where lobes are pooled, only what is pooled in them."""
+    share = 1.0 - smoothstep(*SKY_SHARPNESS, sharpness)
+    any_pooled = max(share for lobe in lobes for share in (lobe.share_s, lobe.share_v)) > 0.0
+    return share * pooled if any_pooled else share
 
-    The narrowest lobe that is left to the shared nodes decides; `pooled` is the Gaussian's `pooled_share`.
-    """
+
+def _scale(pooled: float, lobes: tuple[Lobes, Lobes]) -> float:
+    """How much sharper than for linen a Gaussian must be for the same level: the narrowest lobe that is not pooled decides."""
     left = max(
         (1.0 - pooled * share) / (2.0 * gamma**2)
         for lobe in lobes
         for gamma, share in ((lobe.gamma_s, lobe.share_s), (lobe.gamma_v, lobe.share_v))
     )
-    scale = np.clip(np.sqrt(LINEN_LOBE * max(left, 1.0 / BROAD_LOBE)), 0.15, 4.0)
-    x = np.log(max(sharpness, 1e-9) / scale)
-    height = sum(1.0 - float(smoothstep(np.log(t) - BLEND, np.log(t) + BLEND, x)) for t in schedule.sharper)
+    return float(np.clip(np.sqrt(LINEN_LOBE * max(left, 1.0 / BROAD_LOBE)), 0.15, 4.0))
+
+
+def _two_levels(height: float) -> list[tuple[int, float]]:
+    """The levels below and above a height of the ladder, with their shares (sum 1)."""
+    height = min(height, len(LADDER) - 1.0)
     low = int(height)
-    upper = height - low
-    top = len(LADDER) - 1
-    found = [(min(low + schedule.shift, top), 1.0 - upper), (min(low + 1 + schedule.shift, top), upper)]
-    if found[0][0] == found[1][0]:
-        return [(found[0][0], 1.0)]
-    return [(level, share) for level, share in found if share > 1e-4]
+    return [(level, share) for level, share in ((low, 1.0 - height + low), (low + 1, height - low)) if share > 1e-4]
+
+
+def sky_levels(schedule: Schedule, lobes: tuple[Lobes, Lobes]) -> list[tuple[int, float]]:
+    """The level or the two levels of the sky's nodes, with their shares (sum 1)."""
+    # One level less for lobes two times as wide as linen's; smooth steps between whole levels keep to one rule mostly.
+    height = schedule.sky + np.clip(np.log2(_scale(1.0, lobes)), -2.0, 2.0)
+    whole = np.floor(height)
+    return _two_levels(whole + float(smoothstep(0.4, 0.6, height - whole)))
+
+
+def levels(schedule: Schedule, sharpness: float, pooled: float, lobes: tuple[Lobes, Lobes]) -> list[tuple[int, float]]:
+    """The level or the two levels of the ladder for one Gaussian, with their shares (sum 1).
+
+    `pooled` is the Gaussian's `pooled_share`.
+    """
+    x = np.log(max(sharpness, 1e-9) / _scale(pooled, lobes))
+    height = sum(1.0 - float(smoothstep(np.log(t) - BLEND, np.log(t) + BLEND, x)) for t in schedule.sharper)
+    return _two_levels(height + schedule.shift)

@@ -17,7 +17,10 @@ layout(binding = 8) uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: 
 layout(binding = 9) uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule
 layout(binding = 10) uniform samplerBuffer lobe_data;  // per pooled tangent: two texels, then rows of LOBE_COLUMNS
 layout(binding = 11) uniform sampler2D pooled_light;   // radiance of the pooled Gaussians, world, octahedral
+layout(binding = 12) uniform sampler2D sky_light;      // radiance of the broadest Gaussians, likewise
 uniform int entry_count;                // at least 1
+uniform ivec2 sky_nodes;                // first texel of the sky's nodes in node_data, and the one behind the last
+uniform vec4 sky_kept, sky_sharp, sky_height;  // as entry_kept, ...
 uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta, their pairs in phi; at least 1 each
 uniform vec2 phi_rule[MAX_PHI_PAIRS];   // nodes > 0 and weights of a Gauss-Legendre rule on -1..1
 uniform vec4 mask_series;               // of g_of_cos, for sigma of shadowing and masking
@@ -133,6 +136,15 @@ void sum_group(int g) {
     volume_sums += 4.0 * vec2(both.y - second.y, second.y);
 }
 
+// The sum over the tangents of what `light_group` added.
+vec3 sum_tangents() {
+    surface_sums = volume_sums = vec2(0.0);
+    EACH_GROUP(sum_group)
+    surface_sums *= yarn_weight;
+    volume_sums *= yarn_weight;
+    return surface_sums.x + surface_sums.y + yarn_A[0] * volume_sums.x + yarn_A[1] * volume_sums.y;
+}
+
 vec4 fetch_node(int row, int column, float between) {
     int at = row * NODE_COLUMNS + column;
     vec4 a = texelFetch(node_data, at), b = texelFetch(node_data, at + 1);
@@ -173,24 +185,46 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
 #define LIGHT(g) light_group(g, omega_i, weight)
             EACH_GROUP(LIGHT)
         } while (++node < last);
-        surface_sums = volume_sums = vec2(0.0);
-        EACH_GROUP(sum_group)
-        surface_sums *= yarn_weight;
-        volume_sums *= yarn_weight;
-        vec3 f = surface_sums.x + surface_sums.y + yarn_A[0] * volume_sums.x + yarn_A[1] * volume_sums.y;
-        L += light.rgb * exp(mean.w) * f;
+        L += light.rgb * exp(mean.w) * sum_tangents();
     } while (++k < entry_count);
     return L;
 }
 
-// -- broad Gaussians together, at the nodes of narrow lobes -------------------------------------------------------------
+// -- the broadest Gaussians together, at fixed nodes --------------------------------------------------------------------
 
-vec3 pooled_radiance(vec3 omega) {
+// The radiance of a map in a direction of world space.
+vec3 map_radiance(sampler2D map, vec3 omega) {
     vec2 p = 0.5 + 0.5 * octahedral(omega);
-    float size = float(textureSize(pooled_light, 0).x);
+    float size = float(textureSize(map, 0).x);
     // Texel centres on the rim of the square: there it is folded, and both sides hold the same value.
-    return textureLod(pooled_light, (p * (size - 1.0) + 0.5) / size, 0.0).rgb;
+    return textureLod(map, (p * (size - 1.0) + 0.5) / size, 0.0).rgb;
 }
+
+vec3 L_sky(float cos_o, mat3 surface_from_world) {
+    vec3 L = vec3(0.0);
+    entry_kept = sky_kept;
+    entry_sharp = sky_sharp;
+    entry_height = sky_height;
+    vec3 up = vec3(0.0, 0.0, 1.0);
+#define AIM_UP(g) aim_group(g, up)
+#define CLEAR(g) surface[g] = volume[g] = vec4(0.0)
+    EACH_GROUP(AIM_UP)
+    int node = sky_nodes.x;
+    do {
+        vec4 rule = texelFetch(node_data, node);
+        look_along(rule.xyz);
+        Q = gap * cos_o + 1e-20;
+        EACH_GROUP(add_P)
+        float weight = rule.w / Q;
+#define LIGHT_SKY(g) light_group(g, rule.xyz, weight)
+        EACH_GROUP(CLEAR)
+        EACH_GROUP(LIGHT_SKY)
+        L += map_radiance(sky_light, rule.xyz * surface_from_world) * sum_tangents();
+    } while (++node < sky_nodes.y);
+    return L;
+}
+
+// -- broad Gaussians together, at the nodes of narrow lobes -------------------------------------------------------------
 
 vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
     vec3 L = vec3(0.0);
@@ -249,8 +283,8 @@ vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
                 vec2 R = rule.y / cp * P_t * M.xy / vec2(Q_1, Q);
                 vec2 r_s = front * lobe.y * R * F_r.xy * cos_half_phi_d.xy;
                 vec2 r_v = front_v * lobe.z * R * (1.0 - F_r.xy) * (1.0 - F_r.xy);
-                vec3 E_1 = pooled_radiance(omega_1 * surface_from_world);
-                vec3 E_2 = pooled_radiance(omega_2 * surface_from_world);
+                vec3 E_1 = map_radiance(pooled_light, omega_1 * surface_from_world);
+                vec3 E_2 = map_radiance(pooled_light, omega_2 * surface_from_world);
                 sum_s += E_1 * r_s.x + E_2 * r_s.y;
                 sum_v += E_1 * r_v.x + E_2 * r_v.y;
             } while (++pair < pool_counts.z);
@@ -266,5 +300,5 @@ vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
     cos_psi_o = omega_o.z * inv;
 #define SEE(g) see_group(g, omega_o)
     EACH_GROUP(SEE)
-    return L_shared(omega_o.z, surface_from_world) POOLED(+ L_pooled(omega_o, surface_from_world));
+    return L_shared(omega_o.z, surface_from_world) + L_sky(omega_o.z, surface_from_world) POOLED(+ L_pooled(omega_o, surface_from_world));
 }
