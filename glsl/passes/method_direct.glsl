@@ -108,7 +108,7 @@ void light_group(int g, vec3 omega_i, float weight) {
     vec4 along = of_yarn(g, omega_i.xy), across = of_yarn(g, vec2(omega_i.y, -omega_i.x));
     vec4 t = along * slot_cos_tilt[g] - omega_i.z * slot_sin_tilt[g];
     vec4 n = along * slot_sin_tilt[g] + omega_i.z * slot_cos_tilt[g];
-    vec4 c2 = 1.0000002 - t * t;
+    vec4 c2 = max(1.0 - t * t, 1e-7);
     vec4 inv = inversesqrt(c2);
     vec4 cos_theta_i = c2 * inv, cos_phi_i = n * inv;
     vec4 cos_phi_d = (n * cos_phi_o[g] + across * sin_phi_o[g]) * inv;
