@@ -13,6 +13,7 @@ from imgui_bundle import imgui, implot  # isort: skip
 import glfw
 import moderngl
 import numpy as np
+from OpenGL import GL
 
 from .. import __version__
 from ..context import REQUIRED, is_software
@@ -33,7 +34,6 @@ DEFAULT_SIZE = (1280, 720)
 FONT = 16.0  # points
 PANEL = 400  # width of the panels at 96 dpi
 WAKE = 3  # pictures of the panels after an event: hovering and fading settle within these
-SETTLED = 0.25  # seconds without input after which refining may take a larger share of the time
 
 
 class App:
@@ -57,7 +57,7 @@ class App:
         self.show_panels = True
         self._awake = WAKE
         self._drag: str | None = None
-        self._last_input = 0.0
+        self._typed: list[tuple[str, int, int, bool]] = []
         self._shown: Document | None = None
         self.pending = True
         self.ready: list[Ready | None] = []
@@ -116,13 +116,13 @@ class App:
             glfw.set_cursor_pos_callback,
             glfw.set_mouse_button_callback,
             glfw.set_scroll_callback,
-            glfw.set_key_callback,
             glfw.set_char_callback,
             glfw.set_window_focus_callback,
             glfw.set_window_refresh_callback,
             glfw.set_framebuffer_size_callback,
         ):
             listen(self.window, self._heard)
+        glfw.set_key_callback(self.window, self._key)
         glfw.set_drop_callback(self.window, self._dropped)
         imgui.create_context()
         implot.create_context()
@@ -169,7 +169,13 @@ class App:
 
     def _heard(self, *_) -> None:
         self._awake = WAKE
-        self._last_input = time.perf_counter()
+
+    def _key(self, _, key: int, scancode: int, action: int, mods: int) -> None:
+        # Kept with their modifiers: between two slow pictures a key and its Ctrl may both have come and gone.
+        self._heard()
+        if action != glfw.RELEASE:
+            name = glfw.get_key_name(key, scancode) or ""
+            self._typed.append((name.lower(), key, mods, action == glfw.REPEAT))
 
     def _dropped(self, _, paths) -> None:
         self._heard()
@@ -198,8 +204,7 @@ class App:
         drawn = 0.0
         if not self.refiner.idle:
             start = time.perf_counter()
-            quiet = start - self._last_input > SETTLED
-            budget = max(BUDGET - self._ui_seconds, 0.012) if not quiet else BUDGET
+            budget = max(BUDGET - self._ui_seconds, 0.012)
             changed |= self._work(budget)
             drawn = time.perf_counter() - start
         if changed or self._awake > 0:
@@ -232,7 +237,7 @@ class App:
         if self.refiner.idle:
             self.full_ms = 1e3 * (time.perf_counter() - self._full_begin)
             self.covered = self.renderer.covered_pixels()
-            self._awake = max(self._awake, 1)  # the overlay says so
+            self._awake = max(self._awake, 2)  # the overlay says so, and fits its new text
             if self._save is not None:
                 self._write(*self._save)
         return changed
@@ -375,6 +380,7 @@ class App:
     def _navigate(self) -> None:
         io = imgui.get_io()
         if not self.frames:
+            self._typed.clear()
             return
         points_to_pixels = io.display_framebuffer_scale.x
         left, _, width, height = self.rectangle()
@@ -397,8 +403,10 @@ class App:
         if inside and io.mouse_wheel:
             radius = self.frames[0].mesh.radius
             self.look(orbit.zoom(self.camera(), 0.9**io.mouse_wheel, radius))
+        typed, self._typed = self._typed, []
         if not io.want_text_input:
-            self._keys(io)
+            for name, key, mods, repeated in typed:
+                self._command(name, key, mods, repeated)
 
     def _drag_kind(self, button: int, shift: bool, x: float, left: int, width: int) -> str:
         document = self.session.document
@@ -433,23 +441,24 @@ class App:
         """The view that the mesh comes with."""
         self.session.look(View())
 
-    def _keys(self, io) -> None:
-        pressed = imgui.is_key_pressed
-        if io.key_ctrl:
-            if pressed(imgui.Key.z):
-                self.redo() if io.key_shift else self.undo()
-            elif pressed(imgui.Key.y):
+    def _command(self, name: str, key: int, mods: int, repeated: bool) -> None:
+        """What a key does; `name` is what the keyboard's layout prints on it."""
+        if mods & glfw.MOD_CONTROL:
+            if name == "z":
+                self.redo() if mods & glfw.MOD_SHIFT else self.undo()
+            elif name == "y":
                 self.redo()
-            elif pressed(imgui.Key.s, False):
+            elif name == "s" and not repeated:
                 self.panels.save_scene()
+        elif repeated:
             return
-        if pressed(imgui.Key.f, False):
+        elif name == "f":
             self.frame_mesh()
-        elif pressed(imgui.Key.home, False):
+        elif key == glfw.KEY_HOME:
             self.home()
-        elif pressed(imgui.Key.tab, False):
+        elif key == glfw.KEY_TAB:
             self.show_panels = not self.show_panels
-        elif pressed(imgui.Key.b, False):
+        elif name == "b":
             self.session.edit_scene(background=not self.session.scene.background)
 
     def undo(self) -> None:
@@ -508,7 +517,10 @@ class App:
         self._paint()
         imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
         size = glfw.get_framebuffer_size(self.window)
-        data = self.ctx.detect_framebuffer(0).read(viewport=(0, 0, *size), components=3, alignment=1)
+        self.ctx.detect_framebuffer(0).use()
+        GL.glReadBuffer(GL.GL_BACK)
+        GL.glPixelStorei(GL.GL_PACK_ALIGNMENT, 1)
+        data = GL.glReadPixels(0, 0, *size, GL.GL_RGB, GL.GL_UNSIGNED_BYTE)
         return np.frombuffer(data, "u1").reshape(size[1], size[0], 3)[::-1].copy()
 
     def _write(self, path: Path, panels: bool) -> None:

@@ -12,7 +12,7 @@ from .. import shader
 from ..renderer import Frame, Renderer
 
 BUDGET = 0.033  # seconds between two looks at the input
-LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0)  # by how much a preview is smaller than the picture
+LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # by how much a preview is smaller than the picture
 HALF_FROM = 0.5  # seconds of full size from which a picture of half the size comes first
 FINAL_UNIT, BASE_UNIT, COVER_UNIT = 0, 1, 2
 
@@ -124,7 +124,7 @@ class Refiner:
         """Choose the next preview's size from how long this one took."""
         self.preview_ms = 1e3 * seconds
         place = LADDER.index(self._scale)
-        if seconds > 1.15 * BUDGET and place + 1 < len(LADDER):
+        if seconds > 1.5 * BUDGET and place + 1 < len(LADDER):
             self._scale = LADDER[place + 1]
         elif place > 0 and seconds * (self._scale / LADDER[place - 1]) ** 2 < 0.8 * BUDGET:
             self._scale = LADDER[place - 1]
@@ -144,7 +144,7 @@ class Refiner:
 
         final = scale == 1.0
         first = True
-        done = total = 0
+        done = total = rows_done = 0
         for done, total in self.renderer.steps(frame, rows):
             now = time.perf_counter()
             # The first step also fills the G-buffer, which says nothing about rows.
@@ -154,7 +154,8 @@ class Refiner:
                 self._seconds_per_row[key] = 0.7 * before + 0.3 * min(pace, 4 * before)
             first = False
             if final and number < len(self.sides):
-                self.sides[number].share = min(done / total, 0.999)
+                rows_done += min(wanted[0], frame.scene.size[1])
+                self.sides[number].share = min(max(done, rows_done / frame.scene.size[1]) / total, 0.999)
             if final and done > whole and done < total:
                 whole = done
                 self._take(number, "partial", frame, scale, done, total)

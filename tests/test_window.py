@@ -1,0 +1,79 @@
+"""The window under Xvfb, by real events; skipped where Xvfb or xdotool is missing."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+DRIVER = ROOT / "tests" / "window_driver.py"
+
+
+@pytest.fixture(scope="module")
+def display():
+    """The number of a display of its own."""
+    if not (shutil.which("Xvfb") and shutil.which("xdotool")):
+        pytest.skip("needs Xvfb and xdotool: apt-get install xvfb xdotool")
+    read, write = os.pipe()
+    command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "+extension", "GLX"]
+    server = subprocess.Popen(command, pass_fds=[write], stderr=subprocess.DEVNULL)
+    os.close(write)
+    with os.fdopen(read) as pipe:
+        number = pipe.readline().strip()
+    if not number:
+        pytest.skip("Xvfb does not start")
+    yield f":{number}"
+    server.terminate()
+    server.wait()
+
+
+def drive(display, *arguments):
+    env = {**os.environ, "DISPLAY": display, "PYTHONPATH": str(ROOT)}
+    run = subprocess.run(
+        [sys.executable, DRIVER, *arguments], env=env, cwd=ROOT, capture_output=True, text=True, timeout=300
+    )
+    assert run.returncode == 0, run.stderr[-3000:]
+    return json.loads(run.stdout.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def done(display):
+    return drive(display, "events")
+
+
+def test_the_refined_picture_is_renders_to_the_bit(done):
+    assert done["as_render"] == [True, True, True] and done["gl_error"] == "GL_NO_ERROR"
+
+
+def test_mouse_and_keys_do_what_they_should(done):
+    assert done["orbited"] and done["zoomed"] and done["home"] and done["home_picture"]
+    assert done["turned"] < -5.0 and done["undone"] == 0.0 and done["redone"] == done["turned"]
+    assert done["follow"] and done["size"] == [240, 160] and done["screen"] == [160, 640, 3]
+
+
+def test_a_bad_file_is_a_message_and_nothing_is_lost(done):
+    assert "bad.hdr" in done["bad_file"] and done["kept"]
+
+
+def test_saved_scenes_and_pictures_open_to_the_same_picture(done):
+    assert done["reopened"] == [True, True, True] and set(done["messages"]) == {"note"}
+
+
+def test_both_sides_of_a_comparison_are_refined(done):
+    assert done["sides"] == [1.0, 1.0]
+
+
+def test_random_actions_leave_no_error_and_no_objects(display):
+    result = drive(display, "monkey", "60")
+    begin, end = result["objects"]
+    assert all(end[kind] <= begin[kind] + 8 for kind in begin), result
+
+
+def test_without_a_display_one_line_names_render():
+    env = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
+    run = subprocess.run([sys.executable, "-m", "glcloth", "view"], env=env, cwd=ROOT, capture_output=True, text=True)
+    assert run.returncode == 3 and run.stderr.count("\n") == 1 and "glcloth render" in run.stderr

@@ -1,0 +1,211 @@
+"""Runs the window in this process and prints what it did as JSON; real events come from xdotool.
+
+DISPLAY=:1 python tests/window_driver.py events          # orbit, wheel, keys, panels, files
+DISPLAY=:1 python tests/window_driver.py monkey 1000     # random actions: memory and GL objects before and after
+"""
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from pathlib import Path
+
+import glfw
+import numpy as np
+from OpenGL import GL
+
+from glcloth.errors import InputError
+from glcloth.renderer import METHODS, Renderer
+from glcloth.scene import Scene, load_scene
+from glcloth.window import curve, orbit
+from glcloth.window.app import App
+
+
+def settle(app, limit=30.0):
+    """Step until the picture is complete."""
+    app._heard()
+    end, steps = time.monotonic() + limit, 0
+    while time.monotonic() < end:
+        if steps > 3 and app.refiner.idle and not app.pending and app.frames:
+            return
+        glfw.post_empty_event()
+        app.step()
+        steps += 1
+    raise TimeoutError("the picture does not settle")
+
+
+def during(app, *commands):
+    """Step while xdotool sends events."""
+
+    def send():
+        for command in commands:
+            subprocess.run(["xdotool", *map(str, command)], check=True)
+            time.sleep(0.06)
+
+    thread = threading.Thread(target=send)
+    thread.start()
+    while thread.is_alive():
+        glfw.post_empty_event()
+        app.step()
+    settle(app)
+
+
+def distance(app):
+    camera = app.camera()
+    return float(np.linalg.norm(np.subtract(camera.eye, camera.target)))
+
+
+def events(folder):
+    """What the test looks at."""
+    app = App(Scene(size=(240, 160), mesh="sphere", env="sky"))
+    glfw.set_window_pos(app.window, 0, 0)
+    settle(app)
+    out = {"follow": app.follow, "size": app.session.scene.size, "screen": list(app.screen().shape)}
+    first, scene = app.picture(), app.session.scene
+    home, far = app.camera(), distance(app)
+    during(
+        app, ["mousemove", 100, 80], ["mousedown", 1], ["mousemove", 120, 80], ["mousemove", 140, 90], ["mouseup", 1]
+    )
+    out["orbited"] = app.camera().eye != home.eye and abs(distance(app) - far) < 1e-6
+    during(app, ["click", "--repeat", 3, 4])
+    out["zoomed"] = distance(app) < 0.8 * far
+    during(app, ["key", "Home"])
+    out["home"] = bool(app.camera() == home)
+    out["home_picture"] = bool(np.array_equal(app.picture(), first))
+    during(app, ["mousedown", 3], ["mousemove", 120, 80], ["mousemove", 150, 80], ["mouseup", 3])
+    out["turned"] = app.session.scene.env_rotate
+    during(app, ["key", "ctrl+z"])
+    out["undone"] = app.session.scene.env_rotate
+    during(app, ["key", "ctrl+shift+z"])
+    out["redone"] = app.session.scene.env_rotate
+    app.undo()
+    settle(app)
+    # Files: a bad one leaves everything as it was.
+    (folder / "bad.hdr").write_bytes(b"nothing")
+    before = app.session.document
+    app.open(str(folder / "bad.hdr"))
+    settle(app)
+    out["bad_file"] = app.messages[-1][1]
+    out["kept"] = app.session.document == before and bool(np.array_equal(app.picture(), first))
+    # Ten parameters, saved and opened again.
+    app.session.edit_yarn(0, gamma_s_deg=7.5, albedo=(0.3, 0.1, 0.2), eta=1.5, k_d=0.3, gamma_v_deg=14.0)
+    app.session.edit_yarn(1, **curve.move(app.session.fabric.yarn[1], 1, 0.7, 22.0))
+    app.session.edit_fabric(app.session.fabric.changed(sigma_deg=25.0, normalization="paper"))
+    app.session.edit_scene(env_rotate=33.0, spp=2, exposure=0.5)
+    app.look(orbit.orbit(app.camera(), 20.0, 10.0))
+    settle(app)
+    edited, edited_scene = app.picture(), app.session.scene
+    for name in ("p.exr", "p.png"):
+        app.save_picture(str(folder / name))
+    app.panels.scene_path = str(folder / "s.toml")
+    app.panels.save_scene()
+    app.save_picture(str(folder / "w.png"), panels=True)
+    settle(app)
+    out["messages"] = [kind for kind, _ in app.messages[1:]]
+    same = []
+    for name in ("s.toml", "p.exr", "p.png"):
+        app.session.open(Scene(size=(240, 160)))
+        app.open(str(folder / name))
+        settle(app)
+        same.append(bool(np.array_equal(app.picture(), edited)))
+    out["reopened"] = same
+    app.session.compare("split")
+    app.session.edit_other(method="paper", fabric="linen")
+    app.session.compare("difference")
+    settle(app)
+    out["sides"] = [side.share for side in app.refiner.sides]
+    out["gl_error"] = app.ctx.error
+    app.close()
+    with Renderer() as renderer:
+        out["as_render"] = [
+            bool(np.array_equal(renderer.render(scene), first)),
+            bool(np.array_equal(renderer.render(edited_scene), edited)),
+            bool(np.array_equal(renderer.render(load_scene(folder / "p.png")), edited)),
+        ]
+    return out
+
+
+def gl_objects():
+    """How many names of textures, buffers, programs and framebuffers are alive."""
+    kinds = {"textures": GL.glIsTexture, "buffers": GL.glIsBuffer, "framebuffers": GL.glIsFramebuffer}
+    return {name: sum(bool(alive(i)) for i in range(1, 6000)) for name, alive in kinds.items()}
+
+
+def memory_mb():
+    pages = int(Path("/proc/self/statm").read_text().split()[1])
+    return pages * resource.getpagesize() / 2**20
+
+
+def act(app, rng):
+    """One random thing that a user can do."""
+    session = app.session
+    index, pick = int(rng.integers(2)), lambda items: items[int(rng.integers(len(items)))]
+    yarn = session.fabric.yarn[index]
+    actions = (
+        lambda: app.look(orbit.orbit(app.camera(), *rng.uniform(-40, 40, 2))),
+        lambda: app.look(orbit.pan(app.camera(), *rng.uniform(-0.2, 0.2, 2))),
+        lambda: app.look(orbit.zoom(app.camera(), rng.uniform(0.7, 1.4), 1.0)),
+        app.home,
+        app.frame_mesh,
+        lambda: session.edit_scene("turn", env_rotate=float(rng.uniform(-180, 180))),
+        lambda: session.edit_scene("exposure", exposure=float(rng.uniform(-9, 9))),
+        lambda: session.edit_scene(background=bool(rng.integers(2))),
+        lambda: session.edit_scene(quality=pick(("draft", "normal", "high"))),
+        lambda: session.edit_scene(method=pick([m for m in METHODS if m in ("direct", "reference")])),
+        lambda: session.edit_scene(view_transform=pick(("standard", "filmic", "neutral", "agx"))),
+        lambda: session.edit_scene(env=pick(("studio", "sky", "no_such.hdr"))),
+        lambda: session.edit_scene(mesh=pick(("sphere", "plane", "cylinder"))),
+        lambda: session.edit_yarn(index, "s", gamma_s_deg=float(rng.uniform(0, 61))),
+        lambda: session.edit_yarn(index, "a", albedo=tuple(rng.uniform(0, 1, 3))),
+        lambda: session.edit_yarn(index, **curve.add(yarn)),
+        lambda: session.edit_yarn(index, **curve.remove(yarn)),
+        lambda: session.edit_yarn(index, "c", **curve.move(yarn, 0, 0.0, float(rng.uniform(-99, 99)))),
+        lambda: session.choose_fabric(pick(("linen", "velvet", "silk_shot"))),
+        session.reset_fabric,
+        app.undo,
+        app.redo,
+        session.swap,
+        lambda: session.compare(pick(("off", "split", "difference"))),
+        lambda: glfw.set_window_size(app.window, int(rng.integers(440, 520)), int(rng.integers(40, 120))),
+        lambda: setattr(app, "show_panels", not app.show_panels),
+        lambda: app.open(pick(("missing.obj", "README.md"))),
+    )
+    try:
+        pick(actions)()
+    except InputError:
+        pass
+
+
+def monkey(count):
+    """Random actions, with a picture or two after each; a warm-up of a tenth before the first count."""
+    rng = np.random.default_rng(0)
+    app = App(Scene(size=(80, 60), mesh="sphere", method="direct"))
+    settle(app)
+    begin = None
+    for number in range(count + count // 10):
+        if number == count // 10:
+            settle(app)
+            begin = gl_objects(), memory_mb()
+        act(app, rng)
+        app._heard()
+        for _ in range(int(rng.integers(1, 4))):
+            glfw.post_empty_event()
+            app.step()
+        assert app.ctx.error == "GL_NO_ERROR", number
+    app.session.compare("off")
+    app.session.edit_scene(method="direct")
+    settle(app)
+    end = gl_objects(), memory_mb()
+    app.close()
+    return {"actions": count, "objects": [begin[0], end[0]], "memory_mb": [round(begin[1]), round(end[1])]}
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "monkey":
+        print(json.dumps(monkey(int(sys.argv[2]))))
+    else:
+        with tempfile.TemporaryDirectory() as scratch:
+            print(json.dumps(events(Path(scratch))))
