@@ -247,6 +247,33 @@ def animate(
 
 
 @app.command
+def view(
+    scene: str | None = None,
+    /,
+    *,
+    watch: Annotated[
+        bool,
+        Parameter(negative="", help="Reload shaders, fabric, mesh, environment and scene when their files change."),
+    ] = False,
+    options: SceneOptions | None = None,
+) -> None:
+    """Open the window: edit a fabric while it renders.
+
+    Parameters
+    ----------
+    scene
+        Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
+    """
+    from .scene import Scene
+    from .window import view as open_window
+
+    chosen = _scene(scene, options)
+    if not isinstance(chosen, Scene):
+        raise InputError("view: the window shows cloth under an environment; for the curtain: glcloth animate curtain")
+    open_window(chosen, watch, scene)
+
+
+@app.command
 def tables(
     *fabrics: str,
     grid: Annotated[int, Parameter(help="Directions per axis.")] = 48,
