@@ -1,5 +1,7 @@
 """Acceleration structures: every one finds what brute force finds, on good scenes and on bad ones; the tree is sound."""
 
+from itertools import pairwise
+
 import curtain_scenes as scenes
 import numpy as np
 import pytest
@@ -229,3 +231,16 @@ def test_the_reference_tree_by_hand():
     inside = exact.clip_polygons(near[None], np.zeros(3), np.array([0.5, 2, 2]))[0]
     inside = inside[~np.isnan(inside[:, 0])]
     assert inside[:, 0].max() == 0.5 and len(inside) == 4
+
+
+def test_the_tree_grows_no_faster_than_the_scene(ctx, keep):
+    """Four times the triangles make about four times the nodes and references, in a few more levels."""
+    sizes = []
+    for count in (3_000, 12_000, 48_000):
+        triangles, tree = Triangles.of(ctx, scenes.scene(count, 1.0)), KdTree(ctx)
+        keep += [triangles, tree]
+        tree.build(triangles)
+        sizes.append((tree.node_count, tree.leaf_ref_count, tree.large_levels + tree.small_levels))
+        assert tree.growths == 0
+    for small, large in pairwise(sizes):
+        assert large[0] < 4.4 * small[0] and large[1] < 4.4 * small[1] and large[2] <= small[2] + 5
