@@ -234,7 +234,7 @@ def test_the_reference_tree_by_hand():
 
 
 def test_the_tree_grows_no_faster_than_the_scene(ctx, keep):
-    """Four times the triangles make about four times the nodes and references, in a few more levels."""
+    """Four times the triangles make about four times the nodes and references, and no level more than the cap allows."""
     sizes = []
     for count in (3_000, 12_000, 48_000):
         triangles, tree = Triangles.of(ctx, scenes.scene(count, 1.0)), KdTree(ctx)
@@ -243,4 +243,4 @@ def test_the_tree_grows_no_faster_than_the_scene(ctx, keep):
         sizes.append((tree.node_count, tree.leaf_ref_count, tree.large_levels + tree.small_levels))
         assert tree.growths == 0
     for small, large in pairwise(sizes):
-        assert large[0] < 4.4 * small[0] and large[1] < 4.4 * small[1] and large[2] <= small[2] + 5
+        assert large[0] < 4.4 * small[0] and large[1] < 4.4 * small[1] and large[2] <= small[2] + 8
