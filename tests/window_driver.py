@@ -184,11 +184,13 @@ def monkey(count):
     rng = np.random.default_rng(0)
     app = App(Scene(size=(80, 60), mesh="sphere", method="direct"))
     settle(app)
-    begin = None
+    begin, memory = None, []
     for number in range(count + count // 10):
         if number == count // 10:
             settle(app)
-            begin = gl_objects(), memory_mb()
+            begin = gl_objects()
+        if number >= count // 10 and (number - count // 10) % max(count // 4, 1) == 0:
+            memory.append(round(memory_mb()))
         act(app, rng)
         app._heard()
         for _ in range(int(rng.integers(1, 4))):
@@ -198,9 +200,10 @@ def monkey(count):
     app.session.compare("off")
     app.session.edit_scene(method="direct")
     settle(app)
-    end = gl_objects(), memory_mb()
+    end = gl_objects()
+    memory.append(round(memory_mb()))
     app.close()
-    return {"actions": count, "objects": [begin[0], end[0]], "memory_mb": [round(begin[1]), round(end[1])]}
+    return {"actions": count, "objects": [begin, end], "memory_mb": memory}
 
 
 if __name__ == "__main__":

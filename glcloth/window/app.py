@@ -20,7 +20,7 @@ from ..context import REQUIRED, is_software
 from ..environment import rotation_y
 from ..errors import InputError, NoOpenGLError, ShaderError
 from ..image import check_output, write_image
-from ..renderer import Frame, Renderer, default_camera
+from ..renderer import METHODS, Frame, Renderer, default_camera
 from ..scene import Scene, View, load_scene
 from . import orbit, sharing
 from .panels import Panels
@@ -49,6 +49,7 @@ class App:
     """
 
     def __init__(self, scene: Scene, watch: bool = False, source: str | None = None):
+        check_shown(scene)
         wanted = scene.size if "size" in scene.model_fields_set else DEFAULT_SIZE
         self.session = Session(scene.model_copy(update={"size": tuple(wanted)}))
         self.session.resolve(scene.fabric)
@@ -232,7 +233,7 @@ class App:
         try:
             changed = self.refiner.work(budget)
         except ShaderError as error:
-            self.tell("error", str(error))
+            self.tell("error", errors_of(error))
             return True
         if self.refiner.idle:
             self.full_ms = 1e3 * (time.perf_counter() - self._full_begin)
@@ -489,7 +490,9 @@ class App:
         if kind == "fabric":
             self.session.choose_fabric(path)
         elif kind == "scene":
-            self.session.open(load_scene(path))
+            scene = load_scene(path)
+            check_shown(scene)
+            self.session.open(scene)
             self.source = path
             self.follow = False
         else:
@@ -579,7 +582,7 @@ class App:
                 for frame in small:
                     fresh.draw(frame)
         except ShaderError as error:
-            self.tell("error", str(error))
+            self.tell("error", errors_of(error))
             return
         self.refiner.release()
         self._screen.release()
@@ -601,3 +604,18 @@ def _same_light(new: Frame, old: Frame) -> bool:
         and same.lights is old.lights
         and same.camera == old.camera
     )
+
+
+def check_shown(scene: Scene) -> None:
+    """Raise InputError for a scene that the window cannot show."""
+    if scene.method not in METHODS:
+        raise InputError(
+            f"method {scene.method}: the window shows {', '.join(METHODS)}; "
+            "use `glcloth render` or `glcloth animate` for this scene"
+        )
+
+
+def errors_of(error: ShaderError) -> str:
+    """What does not compile, without a driver's warnings and headings."""
+    lines = str(error).splitlines()
+    return "\n".join([line for line in lines if "error" in line.lower()] or lines)
