@@ -231,11 +231,13 @@ class Renderer:
         if self._adaptive is None:
             self._adaptive = AdaptiveRate(self.ctx)
         buffer.draw(mesh, frame.camera)
-        self.shared.bind(program)
-        method.bind(program)
+        list_program = self.program("passes/shade_list.comp", method)
+        for one in (program, list_program):
+            self.shared.bind(one)
+            method.bind(one)
         shader.set_uniforms(program, pass_weight=1.0, pass_cover=1.0)
-        narrowest = min(yarn.gamma_s_deg for yarn in frame.fabric.yarn)
-        self._adaptive.shade(buffer, program, float(np.radians(narrowest)))
+        narrowest = min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in frame.fabric.yarn)
+        self._adaptive.shade(buffer, program, list_program, float(np.radians(narrowest)))
 
     def radiance(
         self,

@@ -1,88 +1,101 @@
-"""Shading at an adaptive rate: one pixel in four, and those others whose neighbours differ.   [own]"""
+"""Shading at an adaptive rate: one pixel in four, and those others that their neighbours do not determine.   [own]"""
 
 from __future__ import annotations
 
 import moderngl
+import numpy as np
 
 from .. import shader
 from ..raster import GBuffer
 
-TOLERANCE = 0.01  # of the relative error in luminance that the neighbours of a pixel let expect
-BEND = 1.0
+TOLERANCE = 0.03  # estimated relative error of luminance up to which a pixel is interpolated
+BEND = 2.0  # how many widths of the narrowest lobe the normals of neighbours may differ, so that no highlight hides between
 COARSE_UNIT = 5
+LIST_BINDING = COLOR_IMAGE = 0
 
 
 class AdaptiveRate:
-    """Runs a program of passes/shade.frag for every second pixel of every second row, and where that is not enough.
+    """Runs a method for every second pixel of every second row, and for the pixels where that is not enough.
 
-    A pixel is interpolated only if all its shaded neighbours see the same side of the same kind of frame, differ by at
-    most `threshold` in luminance, and its own normal (known everywhere) lies where theirs put it. So where luminance is
-    monotonic between them the error is at most `threshold`; docs/direct.md says what it is in fact.
+    Between its shaded neighbours a pixel is interpolated by cubics; second differences, and how far its own normal
+    (known everywhere) lies from where theirs put it, estimate the error. Above `tolerance` it is shaded itself, as it is
+    at edges. docs/direct.md says what the error is in fact.
     """
 
     def __init__(self, ctx: moderngl.Context, tolerance: float = TOLERANCE):
         self.ctx, self.tolerance = ctx, tolerance
         self._cover = shader.program(ctx, "passes/screen.vert", "passes/adaptive_cover.frag")
         self._fill = shader.program(ctx, "passes/screen.vert", "passes/adaptive_fill.frag")
-        self._query = ctx.query(samples=True)
         self._buffer: GBuffer | None = None
         self._things: list = []
 
-    def shade(self, buffer: GBuffer, program, narrowest_lobe: float) -> None:
-        """Shade the covered pixels of a G-buffer into its colour target, as `GBuffer.shade` does at the full rate."""
+    def shade(self, buffer: GBuffer, program, list_program, narrowest_lobe: float) -> None:
+        """Shade the covered pixels of a G-buffer into its colour target, as `GBuffer.shade` does at the full rate.
+
+        Parameters
+        ----------
+        program, list_program : of passes/shade.frag and of passes/shade_list.comp with one method, bound to its data
+        narrowest_lobe : gamma, radians
+        """
         self._make(buffer)
-        buffer.bind(self._cover)
         self._cover["pixel_stride"].value = 2
+        buffer.bind(self._cover)
         # The screen triangle lies at depth 1: it passes `>` at depth 0, and early depth testing drops the other pixels.
-        self._draw(self._cover, self._coarse, "1", True)
+        self._draw(self._cover, self._coarse, moderngl.DEPTH_TEST, "1", True)
         buffer.bind(program)
         program["pixel_stride"].value = 2
-        self._draw(program, self._coarse, ">", False)
+        self._draw(program, self._coarse, moderngl.DEPTH_TEST, ">", False)
         program["pixel_stride"].value = 1
-        buffer.bind(self._fill)
+        self._list.write(np.array([0, 1, 1, 0], "u4").tobytes())
+        self._list.bind_to_storage_buffer(LIST_BINDING)
         self._color.use(COARSE_UNIT)
+        buffer.bind(self._fill)
         self._fill["tolerance"].value = self.tolerance
         self._fill["bend_limit"].value = BEND * narrowest_lobe
-        self._draw(self._fill, self._fine, "1", True)
-        buffer.bind(program)
-        with self._query:
-            self._draw(program, self._fine, ">", False)
-        self.ctx.depth_func = "<"
-        self.ctx.enable_only(moderngl.NOTHING)
+        self._draw(self._fill, self._fine, moderngl.NOTHING, "<", False)
+        self.ctx.memory_barrier(moderngl.ALL_BARRIER_BITS)
+        buffer.bind(list_program)
+        buffer.color.bind_to_image(COLOR_IMAGE, read=False, write=True)
+        list_program.run_indirect(self._list)
+        self.ctx.memory_barrier(moderngl.ALL_BARRIER_BITS)
         buffer.target.use()
 
     def shaded(self) -> int:
         """How many pixels the last call shaded beyond one in four."""
-        return int(self._query.samples)
+        return int(np.frombuffer(self._list.read(16), "u4")[3])
 
-    def _draw(self, program, target: moderngl.Framebuffer, depth_func: str, write_depth: bool) -> None:
+    def _draw(self, program, target: moderngl.Framebuffer, flags: int, depth_func: str, write_depth: bool) -> None:
         target.use()
         target.viewport = (0, 0, *target.size)
         target.depth_mask = write_depth
-        self.ctx.enable_only(moderngl.DEPTH_TEST)
+        self.ctx.enable_only(flags)
         self.ctx.depth_func = depth_func
         array = self.ctx.vertex_array(program, [])
         array.render(moderngl.TRIANGLES, vertices=3)
         array.release()
+        self.ctx.depth_func = "<"
+        self.ctx.enable_only(moderngl.NOTHING)
 
     def _make(self, buffer: GBuffer) -> None:
-        if self._things and self._buffer is buffer:
+        if self._buffer is buffer:
             return
         self.release()
         width, height = buffer.size
-        size = (width // 2 + 1, height // 2 + 1)
+        size = (width // 2 + 1, height // 2 + 1)  # so that the last pixel has a neighbour on either side
         self._buffer = buffer
         self._color = self.ctx.texture(size, 4, dtype="f4")
         self._color.filter = moderngl.NEAREST, moderngl.NEAREST
-        coarse_depth, fine_depth = self.ctx.depth_texture(size), self.ctx.depth_texture(buffer.size)
-        self._coarse = self.ctx.framebuffer([self._color], coarse_depth)
-        self._fine = self.ctx.framebuffer([buffer.color], fine_depth)
-        self._things = [self._coarse, self._fine, self._color, coarse_depth, fine_depth]
+        self._depth = self.ctx.depth_texture(size)
+        self._coarse = self.ctx.framebuffer([self._color], self._depth)
+        self._fine = self.ctx.framebuffer([buffer.color])
+        self._list = self.ctx.buffer(reserve=16 + 4 * width * height)
+        self._things = [self._coarse, self._fine, self._color, self._depth, self._list]
 
     def release(self) -> None:
         """Free what belongs to the last G-buffer."""
         if self._things:
+            # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
             self.ctx.detect_framebuffer(0).use()
         for thing in self._things:
             thing.release()
-        self._things = []
+        self._things, self._buffer = [], None

@@ -1,7 +1,12 @@
 #version 430
-// Fills the picture from every second pixel of every second row, and leaves depth 0 where that is not good enough.   [own]
+// Fills the picture from every second pixel of every second row, and lists the pixels where that is not good enough.   [own]
 #include "passes/gbuffer.glsl"
 layout(binding = 5) uniform sampler2D coarse;
+layout(std430, binding = 0) buffer Pixels {
+    uvec3 groups;  // of 64 pixels, for the dispatch of passes/shade_list.comp
+    uint count;
+    uint pixels[];  // x + 65536 y
+};
 uniform float tolerance;   // estimated relative error of luminance above which a pixel is shaded itself
 uniform float bend_limit;  // sine of the angle between neighbours' normals above which a lobe could hide between them
 out vec4 color;
@@ -50,5 +55,9 @@ void main() {
     float apart = abs(dot(first.rgb - second.rgb, LUMINANCE));
     bool good = min(first.a, second.a) > 0.0 && apart <= 4.0 * tolerance * dot(mean.rgb, LUMINANCE);
     color = covered ? (exact ? coarse_at(low) : vec4(mean.rgb, first.a)) : vec4(0.0);
-    gl_FragDepth = covered && !exact && !good ? 0.0 : 1.0;
+    if (covered && !exact && !good) {
+        uint i = atomicAdd(count, 1u);
+        if ((i & 63u) == 0u) atomicAdd(groups.x, 1u);
+        pixels[i] = uint(pixel.x) | uint(pixel.y) << 16;
+    }
 }
