@@ -43,7 +43,7 @@ def during(app, *commands):
     def send():
         for command in commands:
             subprocess.run(["xdotool", *map(str, command)], check=True)
-            time.sleep(0.06)
+            time.sleep(0.04)
 
     thread = threading.Thread(target=send)
     thread.start()
@@ -60,22 +60,20 @@ def distance(app):
 
 def events(folder):
     """What the test looks at."""
-    app = App(Scene(size=(240, 160), mesh="sphere", env="sky"))
+    app = App(Scene(size=(120, 96), mesh="sphere", env="sky"))
     glfw.set_window_pos(app.window, 0, 0)
     settle(app)
     out = {"follow": app.follow, "size": app.session.scene.size, "screen": list(app.screen().shape)}
     first, scene = app.picture(), app.session.scene
     home, far = app.camera(), distance(app)
-    during(
-        app, ["mousemove", 100, 80], ["mousedown", 1], ["mousemove", 120, 80], ["mousemove", 140, 90], ["mouseup", 1]
-    )
+    during(app, ["mousemove", 60, 50], ["mousedown", 1], ["mousemove", 70, 50], ["mousemove", 80, 55], ["mouseup", 1])
     out["orbited"] = app.camera().eye != home.eye and abs(distance(app) - far) < 1e-6
     during(app, ["click", "--repeat", 3, 4])
     out["zoomed"] = distance(app) < 0.8 * far
     during(app, ["key", "Home"])
     out["home"] = bool(app.camera() == home)
     out["home_picture"] = bool(np.array_equal(app.picture(), first))
-    during(app, ["mousedown", 3], ["mousemove", 120, 80], ["mousemove", 150, 80], ["mouseup", 3])
+    during(app, ["mousemove", 60, 50], ["mousedown", 3], ["mousemove", 75, 50], ["mousemove", 90, 50], ["mouseup", 3])
     out["turned"] = app.session.scene.env_rotate
     during(app, ["key", "ctrl+z"])
     out["undone"] = app.session.scene.env_rotate
@@ -107,7 +105,7 @@ def events(folder):
     out["messages"] = [kind for kind, _ in app.messages[1:]]
     same = []
     for name in ("s.toml", "p.exr", "p.png"):
-        app.session.open(Scene(size=(240, 160)))
+        app.session.open(Scene(size=(120, 96)))
         app.open(str(folder / name))
         settle(app)
         same.append(bool(np.array_equal(app.picture(), edited)))

@@ -387,20 +387,20 @@ class App:
         left, _, width, height = self.rectangle()
         mouse_x = io.mouse_pos.x * points_to_pixels
         inside = not io.want_capture_mouse
-        if inside and self._drag is None:
+        if self._drag is not None:
+            # The motion of a picture comes before its release, which would otherwise swallow it.
+            self._dragged(io.mouse_delta.x * points_to_pixels, io.mouse_delta.y * points_to_pixels, height)
+            if self._drag == "split":
+                share = float(np.clip((mouse_x - left) / width, 0.0, 1.0))
+                self.session.compare(self.session.document.compare, "split", split=share)
+            if not imgui.is_mouse_down(self._button):
+                self._drag = None
+                self.session.end_gesture()
+        elif inside:
             for button in (0, 1, 2):
                 if imgui.is_mouse_clicked(button):
                     self._drag = self._drag_kind(button, io.key_shift, mouse_x, left, width)
                     self._button = button
-        if self._drag is not None:
-            if not imgui.is_mouse_down(self._button):
-                self._drag = None
-                self.session.end_gesture()
-            else:
-                self._dragged(io.mouse_delta.x * points_to_pixels, io.mouse_delta.y * points_to_pixels, height)
-                if self._drag == "split":
-                    share = float(np.clip((mouse_x - left) / width, 0.0, 1.0))
-                    self.session.compare(self.session.document.compare, "split", split=share)
         if inside and io.mouse_wheel:
             radius = self.frames[0].mesh.radius
             self.look(orbit.zoom(self.camera(), 0.9**io.mouse_wheel, radius))
