@@ -39,7 +39,10 @@ def nodes_and_weights(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndar
     n = a.shape[-1]
     if n == 1:
         return a.copy(), b.copy()
-    if n == 2:  # two nodes by the quadratic formula: this is the commonest rule, and eigh is slow for tiny matrices
+    # Two and three nodes in closed form: these are the commonest rules, and eigh is slow for many tiny matrices.
+    if n == 3:
+        return _three_nodes(a, b)
+    if n == 2:
         middle, half = 0.5 * (a[..., 0] + a[..., 1]), 0.5 * (a[..., 0] - a[..., 1])
         root = np.sqrt(half**2 + b[..., 1])
         share = 0.5 - 0.5 * half / np.maximum(root, 1e-300)
@@ -51,3 +54,19 @@ def nodes_and_weights(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndar
     matrix[..., i[1:], i[:-1]] = np.sqrt(np.maximum(b[..., 1:], 0.0))
     values, vectors = np.linalg.eigh(matrix)
     return values, vectors[..., 0, :] ** 2 * b[..., :1]
+
+
+def _three_nodes(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The same for n = 3: roots of the characteristic cubic by cosines, weights by Christoffel's formula."""
+    mean = a.mean(-1, keepdims=True)
+    d = a - mean
+    p = np.sqrt(((d * d).sum(-1) + 2.0 * (b[..., 1] + b[..., 2])) / 6.0) + 1e-300
+    determinant = d.prod(-1) - d[..., 0] * b[..., 2] - d[..., 2] * b[..., 1]
+    angle = np.arccos(np.clip(determinant / (2.0 * p**3), -1.0, 1.0)) / 3.0
+    turn = 2.0 * np.pi / 3.0 * np.array([1.0, 2.0, 0.0])  # ascending: cos(angle + 2 pi / 3) is the least
+    nodes = mean + 2.0 * p[..., None] * np.cos(angle[..., None] + turn)
+    norm = np.cumprod(b, -1)
+    p_1 = nodes - a[..., :1]
+    p_2 = p_1 * (nodes - a[..., 1:2]) - b[..., 1:2]
+    weights = 1.0 / (1.0 / norm[..., :1] + p_1**2 / norm[..., 1:2] + p_2**2 / norm[..., 2:])
+    return nodes, weights

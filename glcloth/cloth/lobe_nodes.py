@@ -8,6 +8,7 @@ has above both horizons. Each lobe then has the weights that integrate polynomia
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -55,12 +56,14 @@ def lobe_table(tilts: np.ndarray, lobes: Lobes, count: int) -> np.ndarray:
     # The table of a tangent tilted the other way is the same, mirrored.
     tilts = np.asarray(tilts, float)
     unique, inverse = np.unique(np.abs(tilts), return_inverse=True)
-    tables = _tables(unique, lobes, count)[inverse]
+    tables = _tables(tuple(unique.tolist()), lobes, count)[inverse]
     mirrored = tables[:, ::-1, ::-1] * np.array([-1.0, 1.0, 1.0, 1.0])
     return np.where((tilts < 0)[:, None, None, None], mirrored, tables).astype(np.float32)
 
 
-def _tables(tilts, lobes: Lobes, count: int):
+@lru_cache(8)
+def _tables(tilts: tuple[float, ...], lobes: Lobes, count: int) -> np.ndarray:
+    tilts = np.array(tilts)
     width = lobes.width
     low = np.full(len(tilts), -HALF)[:, None]
     high = (HALF - tilts)[:, None]

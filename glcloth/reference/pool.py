@@ -17,7 +17,7 @@ def lobe_at_column(column, low, high, width):
     """The inverse of `column_of_lobe`, by bisection.   [own]"""
     column = np.asarray(column, float)
     a, b = np.full(column.shape, -0.5 * np.pi), np.full(column.shape, 0.5 * np.pi)
-    for _ in range(40):
+    for _ in range(30):
         middle = 0.5 * (a + b)
         below = column_of_lobe(middle, low, high, width) < column
         a, b = np.where(below, middle, a), np.where(below, b, middle)
