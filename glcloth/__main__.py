@@ -1,5 +1,23 @@
-"""`python -m glcloth` is the same as `glcloth`."""
+"""`python -m glcloth` and `glcloth`: the first lines that run, so that Ctrl-C is heard from the first moment on."""
 
-from .cli import main
+import os
+import signal
+import sys
 
-main()
+
+def _leave(*_) -> None:
+    """While modules load nothing needs tidying, and some of them swallow KeyboardInterrupt: leave at once."""
+    os.write(2, b"glcloth: stopped\n")
+    os._exit(130)
+
+
+def main() -> None:
+    """Run the command line."""
+    signal.signal(signal.SIGINT, _leave)
+    from .cli import main as run
+
+    run()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

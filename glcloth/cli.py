@@ -15,11 +15,14 @@ from cyclopts import App, CycloptsError, Parameter
 from . import __version__
 from .errors import InputError, NoOpenGLError, ShaderError
 from .files import check_writable
-from .progress import say, track
+from .progress import hear_ctrl_c, say, track
 
-app = App(
-    name="glcloth", help="Woven cloth as it really looks, on OpenGL.", version=__version__, help_format="plaintext"
-)
+ABOUT = """Woven cloth as it really looks, on OpenGL.
+
+Exit codes: 0 done, 1 a fault of glcloth, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C.
+GLCLOTH_CACHE names the folder for fits and tables made on this machine (`glcloth info` shows it).
+"""
+app = App(name="glcloth", help=ABOUT, version=__version__, help_format="plaintext", suppress_keyboard_interrupt=False)
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object on stdout.")]
 Device = Annotated[int | None, Parameter(help="EGL device; `glcloth info` lists them.")]
@@ -71,11 +74,16 @@ CURTAIN_OPTIONS = ("wind", "fullness")
 
 def _scene(name: str | None, options: SceneOptions | None):
     """The Scene or CurtainScene of a command."""
-    from .curtain.show import CurtainScene, load_curtain_scene
-    from .scene import Scene, load_scene
+    from .scene import Scene, builtin_scenes, load_scene
 
     changes = options.changes() if options else {}
-    curtain = load_curtain_scene(name) if name else None
+    curtain = None
+    if name and name not in builtin_scenes():
+        from .curtain.show import (
+            load_curtain_scene,  # only now: it brings OpenGL, and a wrong option should fail at once
+        )
+
+        curtain = load_curtain_scene(name)
     if curtain is None:
         if changes.get("method") == "trace":
             raise InputError("--method trace: renders the curtain; give its scene: glcloth render curtain -o FILE")
@@ -84,11 +92,19 @@ def _scene(name: str | None, options: SceneOptions | None):
     method = changes.pop("method", "trace")
     if method != "trace":
         raise InputError(f"--method {method}: the curtain is ray traced, expected trace")
-    assert isinstance(curtain, CurtainScene)
     table = {key: changes.pop(key) for key in CURTAIN_OPTIONS if key in changes}
     if table:
         changes["curtain"] = {**curtain.model_dump()["curtain"], **table}
     return curtain.changed(**changes)
+
+
+def _stored(scene) -> dict:
+    """A scene as a picture keeps it: files by their whole path, so that the picture renders again from any folder."""
+    data = scene.model_dump(mode="json")
+    for key in ("fabric", "mesh", "env", "room"):
+        if isinstance(data.get(key), str) and Path(data[key]).is_file():
+            data[key] = str(Path(data[key]).resolve())
+    return data
 
 
 def _print(as_json: bool, result: dict, line: str) -> None:
@@ -140,7 +156,7 @@ def render(
     write_image(
         output,
         picture,
-        {"glcloth": __version__, "scene": chosen.model_dump(mode="json")},
+        {"glcloth": __version__, "scene": _stored(chosen)},
         exposure=chosen.exposure,
         view_transform=chosen.view_transform,
     )
@@ -182,7 +198,7 @@ def _render_curtain(scene, output: Path, number: int, show_tree, layers: bool, d
             tree = show.tree(None if show_tree == "leaves" else int(show_tree))
             picture = np.hstack([picture[..., :3], tree[..., :3]])
         triangles, name = show.triangles.count, show.fabric.name
-    settings = {"glcloth": __version__, "curtain": scene.model_dump(mode="json"), "frame": number}
+    settings = {"glcloth": __version__, "curtain": _stored(scene), "frame": number}
     write_image(output, picture, settings, exposure=scene.exposure, view_transform=scene.view_transform)
     seconds = time.perf_counter() - begin
     result = {"file": str(output), "width": picture.shape[1], "height": picture.shape[0], "method": "trace"}
@@ -237,7 +253,7 @@ def animate(
             written = sequence.write_video(pictures, output, rate, *look)
         else:
             key = "scene" if isinstance(chosen, Scene) else "curtain"
-            settings = {"glcloth": __version__, key: chosen.model_dump(mode="json")}
+            settings = {"glcloth": __version__, key: _stored(chosen)}
             written = sequence.write_frames(pictures, str(output), start, settings, *look)
         for _ in track(written, f"{output}: frames", frames - start):
             pass
@@ -465,6 +481,7 @@ def bench_curtain(
 def main(arguments: list[str] | None = None) -> None:
     """Run one command. Exit 0 done, 1 a fault of ours, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C."""
     arguments = sys.argv[1:] if arguments is None else arguments
+    hear_ctrl_c()
     try:
         app(arguments, exit_on_error=False, print_error=False)
     except CycloptsError as error:

@@ -33,8 +33,15 @@ def check_writable(path: str | Path) -> Path:
         raise InputError(f"{path}: is a folder, expected a file name; give a name such as {path / 'picture.png'}")
     if not path.parent.is_dir():
         raise InputError(f"{path}: folder {path.parent} does not exist; make it first: mkdir -p {path.parent}")
-    if not os.access(path.parent, os.W_OK) or (path.exists() and not os.access(path, os.W_OK)):
+    if path.exists() and not os.access(path, os.W_OK):
         raise InputError(f"{path}: cannot be written, permission denied; choose another output path")
+    try:
+        # Asking for permission is not enough: some folders say yes and then refuse.
+        handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", dir=path.parent)
+    except OSError as error:
+        raise InputError(f"{path}: no file can be made there ({error.strerror}); choose another output path") from None
+    os.close(handle)
+    os.unlink(name)
     return path
 
 

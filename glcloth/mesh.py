@@ -29,6 +29,7 @@ from .progress import warn
 MESHES = PACKAGE / "meshes"
 BUILTIN_MESHES = ("drape", "sphere", "plane", "cylinder")
 MESH_SUFFIXES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
+LARGEST = 1e9  # beyond it float32 leaves no digits for a cloth
 SAVE_SUFFIXES = (".ply", ".obj", ".glb")
 
 
@@ -239,6 +240,13 @@ def build_mesh(
             "mend the mesh"
         )
     positions = rounded.astype(np.float64)
+    largest = float(np.abs(positions).max())
+    if largest > LARGEST:
+        raise InputError(f"{where}: coordinates up to {largest:g}, expected at most {LARGEST:g}; rescale the mesh")
+    corners = positions[triangles]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    if not areas.any():
+        raise InputError(f"{where}: every triangle has no area, there is nothing to see; mend the mesh")
     N = _vertex_normals(positions, triangles, normals)
     sources = np.arange(len(positions))
     face_sign = None

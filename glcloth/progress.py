@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 import time
 from collections.abc import Iterable, Iterator
@@ -12,6 +13,24 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 T = TypeVar("T")
 console = Console(stderr=True)
+_stopped = False
+
+
+def hear_ctrl_c() -> None:
+    """From now on Ctrl-C raises KeyboardInterrupt, and is remembered if somebody's `except:` swallows it."""
+
+    def stop(*_):
+        global _stopped
+        _stopped = True
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGINT, stop)
+
+
+def check_stopped() -> None:
+    """Raise KeyboardInterrupt if Ctrl-C was pressed and a library that was being imported swallowed it."""
+    if _stopped:
+        raise KeyboardInterrupt
 
 
 def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T]:
@@ -26,6 +45,7 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
     task = None
     try:
         for done, item in enumerate(items):
+            check_stopped()
             now = time.monotonic()
             if console.is_terminal:
                 if bar is None and now - begin > 1.0:

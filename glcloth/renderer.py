@@ -25,7 +25,7 @@ from .fabric import Fabric, load_fabric
 from .fit import fit_lights
 from .lights import Lights, SphericalGaussians, as_lights
 from .mesh import BUILTIN_MESHES, Mesh, load_mesh, load_view
-from .progress import track
+from .progress import check_stopped, track
 from .raster import GBuffer, MeshBuffers
 from .scene import Scene, load_scene
 
@@ -191,6 +191,7 @@ class Renderer:
 
         Yields (passes finished, passes in all) after each step; the background follows the last one.
         """
+        check_stopped()
         scene = frame.scene
         buffer = self._target(scene.size)
         mesh = self._mesh(frame.mesh)

@@ -112,6 +112,10 @@ def builtin_scenes() -> list[str]:
     return sorted(path.stem for path in SCENES.glob("*.toml"))
 
 
+# Ray traced, with fields of its own: glcloth/curtain/show.py reads it.
+CURTAIN = "curtain"
+
+
 def load_scene(name_or_path: str | Path) -> Scene:
     """Return a built-in scene, one read from a TOML file, or the one that a picture of ours was rendered from.
 
@@ -125,9 +129,14 @@ def load_scene(name_or_path: str | Path) -> Scene:
                 f"{path}: holds no glcloth scene; give a picture that glcloth rendered, or a scene file (.toml)"
             )
         return parse_scene(data["scene"], text)
-    if path.suffix != ".toml" and not path.is_file():
+    if path.suffix != ".toml":
         names = builtin_scenes()
+        if text not in names and path.is_file():
+            raise InputError(
+                f"{path}: not a scene, expected .toml, .exr or .png; for a mesh use --mesh, a fabric --fabric, a map --env"
+            )
         if text not in names:
+            names = [*names, CURTAIN]
             close = difflib.get_close_matches(text.lower(), names, 1, 0.4)
             hint = f'; did you mean "{close[0]}"?' if close else ""
             raise InputError(

@@ -89,8 +89,8 @@ def _load(path: Path, shape_count: int):
             ranks, xi, o, values = (file[name] for name in ("ranks", "xi", "o", "values"))
     except FileNotFoundError:
         return None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
-        warn(f"{path}: damaged ({error}); the tables are made anew")
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile):
+        warn(f"{path}: damaged or cut short; the tables are made anew")
         return None
     total = ranks.sum() if ranks.shape == (shape_count, LEVELS) else -1
     if len(xi) != total or len(o) != total or not (np.isfinite(xi).all() and np.isfinite(o).all()):

@@ -2,8 +2,10 @@
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -208,13 +210,15 @@ def obj(tmp_path, text):
 @pytest.mark.parametrize(
     "text",
     [
+        "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n",
+        "v 1e30 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
         "",
         "v 0 0 0\nv 1 0 0\nv 0 1 0\n",
         "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
         "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n",
         "hello\n",
     ],
-    ids=["empty", "no faces", "nan", "index", "text"],
+    ids=["no area", "huge", "empty", "no faces", "nan", "index", "text"],
 )
 def test_damaged_meshes(tmp_path, capsys, text):
     assert "mine.obj" in fails(capsys, "render", "-o", tmp_path / "a.png", *quick_but("--mesh", obj(tmp_path, text)))
@@ -237,6 +241,21 @@ def test_every_mesh_format_gives_the_same_picture(tmp_path, capsys):
         assert run("render", "-o", tmp_path / f"{suffix}.exr", *quick_but("--mesh", tmp_path / f"s.{suffix}")) == 0
         pictures.append(read_image(tmp_path / f"{suffix}.exr"))
     assert np.abs(pictures[0] - pictures[1]).max() < 1e-3 and np.abs(pictures[0] - pictures[2]).max() < 1e-3
+
+
+@pytest.mark.parametrize("seconds", [0.1, 0.4, 0.7, 1.0, 1.5, 3.0])
+def test_ctrl_c_is_heard_at_any_moment(tmp_path, seconds):
+    """While modules load, which swallow it, as well as later: exit 130, one line, nothing left behind."""
+    command = [sys.executable, "-m", "glcloth", "render", "-o", "a.png", *QUICK[:-2], "--spp", "256"]
+    command[command.index("32x24")] = "320x240"
+    command[command.index("4")] = "32"
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    time.sleep(seconds)
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert "Traceback" not in err and list(tmp_path.iterdir()) == []
+    # Before the interpreter has reached our first line, Python itself ends the process by the signal.
+    assert (process.returncode == 130 and "stopped" in err) or (process.returncode == -signal.SIGINT and seconds < 0.3)
 
 
 def test_ctrl_c_leaves_no_file(tmp_path, monkeypatch, capsys):
