@@ -5,7 +5,6 @@ import numpy as np
 from .fresnel import F_schlick
 from .weight import D_mask
 
-
 ANGLE_SERIES = np.array([2.0, 1.0 / 3.0, 4.0 / 45.0, 0.067381])  # of angle^2 in x = 1 - cos(angle): x, x^2, x^3, x^5
 
 
@@ -24,3 +23,8 @@ def D_masks(x, y, z):
 def F_slots(F_0, cos_theta_d, cos_half_phi_d):
     """Schlick's Fresnel reflectance.   [Miz 12]"""
     return F_schlick(F_0, np.asarray(cos_theta_d) * cos_half_phi_d)
+
+
+def twice_atan(y):
+    """2 atan(y).   [own]"""
+    return 2 * np.arctan(y)

@@ -23,3 +23,10 @@ vec4 F_slots(vec4 F_0, vec4 cos_theta_d, vec4 cos_half_phi_d) {
     vec4 q2 = q * q;
     return F_0 + (1.0 - F_0) * (q2 * q2 * q);
 }
+
+// [own]  2 atan(y) for y from -1 to 1, off by 4e-6 (Abramowitz & Stegun 4.4.49 is the shorter polynomial). With
+// y = sin / (1 + cos) it is the angle; GLSL's asin may be off by 4e-4, too much for lobes of a degree.
+vec4 twice_atan(vec4 y) {
+    vec4 y2 = y * y;
+    return y * (1.99995452 + y2 * (-0.66524694 + y2 * (0.38708692 + y2 * (-0.23286574 + y2 * (0.10530664 - y2 * 0.0234424)))));
+}

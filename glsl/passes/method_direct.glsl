@@ -11,6 +11,7 @@
 const int NODE_COLUMNS = 64;   // glcloth/cloth/gaussian_nodes.py says the same
 const int LOBE_COLUMNS = 64;   // glcloth/cloth/lobe_nodes.py says the same
 const int ENTRY_TEXELS = 5;    // glcloth/cloth/direct.py says the same
+const float MAP_SIZE = 160.0;   // glcloth/cloth/direct.py says the same
 const int MAX_PHI_PAIRS = 8;    // glcloth/cloth/direct.py says the same
 
 layout(binding = 8) uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean
@@ -54,7 +55,7 @@ void see_group(int g, vec3 omega_o) {
     vec4 inv = inversesqrt(c2);
     sin_theta_o[g] = t;
     cos_theta_o[g] = c2 * inv;
-    theta_o[g] = asin(clamp(t, -1.0, 1.0));
+    theta_o[g] = twice_atan(t / (1.0 + cos_theta_o[g]));
     cos_phi_o[g] = n * inv;
     sin_phi_o[g] = across * inv;
     cos_psi_t[g] = max(of_yarn(g, cos_psi_o) * slot_cos_tilt[g] + of_yarn(g, sin_psi_o) * slot_sin_tilt[g], 0.0);
@@ -88,7 +89,7 @@ vec4 s_0[GROUPS], s_1[GROUPS], s_2[GROUPS], v_0[GROUPS], v_1[GROUPS], v_2[GROUPS
 
 void aim_group(int g, vec3 mean) {
     vec4 t = of_yarn(g, mean.xy) * slot_cos_tilt[g] - mean.z * slot_sin_tilt[g];
-    vec4 theta_mean = asin(clamp(t, -1.0, 1.0));
+    vec4 theta_mean = twice_atan(t / (1.0 + sqrt(max(1.0 - t * t, 0.0))));
     vec4 kept_s = of_yarn(g, entry_kept.xy), kept_v = of_yarn(g, entry_kept.zw);
     vec4 sharp_s = of_yarn(g, entry_sharp.xy), sharp_v = of_yarn(g, entry_sharp.zw);
     vec4 start_s = sharp_s * (theta_o[g] + (1.0 - kept_s) * theta_mean), slope_s = sharp_s * kept_s;
@@ -119,7 +120,7 @@ void light_group(int g, vec3 omega_i, float weight) {
     vec4 F_r = F_slots(slot_F_0[g], sqrt(cos2_theta_d_4), half_cos_half_phi_d), F_t = 1.0 - F_r;
     // 1 / (cos^2(theta_d) (cos theta_i + cos theta_o)); the surface term takes the sum out again.
     vec4 front = weight * shared_P[g] * M * cos_theta_i / (cos2_theta_d_4 * cos_sum);
-    vec4 theta_i = asin(t * 0.999999);  // rounding may have left t just outside -1..1
+    vec4 theta_i = twice_atan(t / (1.0 + cos_theta_i));
     vec4 g_s = exp2(s_0[g] + theta_i * (s_1[g] + theta_i * s_2[g]));
     vec4 g_v = exp2(v_0[g] + theta_i * (v_1[g] + theta_i * v_2[g]));
     surface[g] += front * cos_sum * F_r * half_cos_half_phi_d * g_s;
@@ -194,10 +195,8 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
 
 // The radiance of a map in a direction of world space.
 vec3 map_radiance(sampler2D map, vec3 omega) {
-    vec2 p = 0.5 + 0.5 * octahedral(omega);
-    float size = float(textureSize(map, 0).x);
     // Texel centres on the rim of the square: there it is folded, and both sides hold the same value.
-    return textureLod(map, (p * (size - 1.0) + 0.5) / size, 0.0).rgb;
+    return textureLod(map, 0.5 + (0.5 - 0.5 / MAP_SIZE) * octahedral(omega), 0.0).rgb;
 }
 
 vec3 L_sky(float cos_o, mat3 surface_from_world) {
@@ -240,8 +239,11 @@ vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
         float c2_o = max(1.0 - t_o * t_o, 1e-7), inv_o = inversesqrt(c2_o), c_o = c2_o * inv_o;
         vec2 phi_o = vec2(n_o, o.y) * inv_o;  // cos, sin
         float psi_o = max(n_o * inversesqrt(o.x * o.x + omega_o.z * omega_o.z + 1e-20), 0.0);
+        // Cosine and sine of psi_o of its own yarn and of the other, as its frame sees them.
+        vec2 psi_own = first_yarn ? vec2(cos_psi_o.x, sin_psi_o.x) : vec2(cos_psi_o.y, sin_psi_o.y);
+        vec2 psi_other = first_yarn ? vec2(cos_psi_o.y, sin_psi_o.y) : vec2(cos_psi_o.x, -sin_psi_o.x);
         float F_0 = first_yarn ? yarn_F_0.x : yarn_F_0.y;
-        float mu = -asin(clamp(t_o, -1.0, 1.0));
+        float mu = -twice_atan(vec4(t_o / (1.0 + c_o))).x;
         float place = column_of_lobe(mu, domain.x, domain.y, domain.z) * float(LOBE_COLUMNS - 1);
         int column = min(int(place), LOBE_COLUMNS - 2);
         float between = place - float(column);
@@ -266,15 +268,24 @@ vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
                 float along = t * ca + c * cp * sa, z = max(c * cp * ca - t * sa, 0.0), side = c * s;
                 vec3 omega_1 = first_yarn ? vec3(along, side, z) : vec3(-side, along, z);
                 vec3 omega_2 = first_yarn ? vec3(along, -side, z) : vec3(side, along, z);
-                float psi = max((along * sa + z * ca) * inversesqrt(along * along + z * z + 1e-20), 0.0);
-                look_along(omega_1);
-                float g_own = first_yarn ? g_psi.x : g_psi.y;
+                // They differ in the sine of the other yarn's psi only.
+                vec2 inv = inversesqrt(vec2(along, side) * vec2(along, side) + z * z + 1e-20);  // own yarn, other yarn
+                vec2 sines = vec2(along, side) * inv, cosines = z * inv;
+                vec4 g = g_of_cos(
+                    vec4(cosines.x * psi_own.x + sines.x * psi_own.y,
+                         cosines.y * psi_other.x + vec2(sines.y, -sines.y) * psi_other.y, 0.0),
+                    mask_series);
+                cos_psi_i = first_yarn ? cosines : cosines.yx;
+                sin_psi_i = first_yarn ? sines : vec2(-sines.y, sines.x);
+                g_psi = first_yarn ? g.xy : g.yx;
                 Q = gap * omega_o.z + 1e-20;
                 EACH_GROUP(add_P)
                 float Q_1 = Q;
-                look_along(omega_2);
+                sin_psi_i = first_yarn ? vec2(sines.x, -sines.y) : vec2(sines.y, sines.x);
+                g_psi = first_yarn ? g.xz : g.zx;
                 Q = gap * omega_o.z + 1e-20;
                 EACH_GROUP(add_P)
+                float psi = max(cosines.x * ca + sines.x * sa, 0.0), g_own = g.x;
                 vec4 cos_phi_d = vec4(cp * phi_o.x + s * phi_o.y, cp * phi_o.x - s * phi_o.y, 0.0, 0.0);
                 vec4 M = D_masks(g_of_cos(cos_phi_d, mask_series), vec4(cp), vec4(max(phi_o.x, 0.0)));
                 vec4 cos_half_phi_d = sqrt(max(0.5 + 0.5 * cos_phi_d, 0.0));
