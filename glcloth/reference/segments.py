@@ -40,5 +40,5 @@ def hat_integral(before, here, after, u, gaussian, step):
     second_difference = (before - 2 * here + after) / step
     small = step < 0.2
     # Where the shader calls this, gaussian is exp(-u^2), and the quotient 1.
-    scale = gaussian / np.exp(-np.where(small, u, 0.0) ** 2)
+    scale = gaussian / np.exp(-(np.where(small, u, 0.0) ** 2))
     return np.where(small, hat(u, step) * scale, second_difference)
