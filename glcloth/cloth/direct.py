@@ -226,28 +226,28 @@ class Direct:
         tangents = fabric.tangents
         self._variant = next(v for v in VARIANTS if v[0] * v[1] >= len(tangents) and v[2] >= pooled)
         groups, lanes, _ = self._variant
-        slots = np.zeros((6, groups * lanes), "f4")
-        tilt = np.array([t.tilt for t in tangents])
-        slots[0] = 1.0
-        count = len(tangents)
-        slots[0, :count], slots[1, :count] = np.cos(tilt), np.sin(tilt)
-        slots[2, :count] = fabric.weights[:, 1]
-        slots[3, :count] = [t.yarn for t in tangents]
+        tilt, yarn = np.array([t.tilt for t in tangents]), np.array([t.yarn for t in tangents])
+        weight, share = fabric.weights.T
+        ratio = weight / np.where(share > 0.0, share, 1.0)
         eta = np.array([y.eta for y in fabric.yarn])
         F_0 = ((1 - eta) / (1 + eta)) ** 2
-        slots[4, :count] = [F_0[t.yarn] for t in tangents]
-        slots[5, :count] = [fabric.yarn[t.yarn].k_d for t in tangents]
-        slots = np.pad(slots.reshape(6, groups, lanes), ((0, 0), (0, 0), (0, 4 - lanes)))
-        names = ("cos_tilt", "sin_tilt", "share", "yarn", "F_0", "k_d")
-        # Both factors of a tangent go with its count, so their ratio belongs to the yarn.
-        ratio = [
-            next((w / s for t, (w, s) in zip(tangents, fabric.weights, strict=True) if t.yarn == j), 0.0)
-            for j in (0, 1)
-        ]
+        values = {
+            "cos_tilt": np.cos(tilt),
+            "sin_tilt": np.sin(tilt),
+            "share": share,
+            "yarn": yarn,
+            "F_0": F_0[yarn],
+            "k_d": np.array([y.k_d for y in fabric.yarn])[yarn],
+            "surface": 8.0 * ratio,
+            "volume_0": 4.0 * ratio * (yarn == 0),
+            "volume_1": 4.0 * ratio * (yarn == 1),
+        }
+        slots = np.zeros((len(values), groups * lanes), "f4")
+        slots[:, : len(tangents)] = list(values.values())
+        slots = np.pad(slots.reshape(-1, groups, lanes), ((0, 0), (0, 0), (0, 4 - lanes)))
         self._uniforms |= {
-            **{f"slot_{name}": value for name, value in zip(names, slots, strict=True)},
+            **{f"slot_{name}": value for name, value in zip(values, slots, strict=True)},
             "mask_series": (ANGLE_SERIES * -(fabric.sigma**-2) / np.log(2)).astype("f4"),
-            "yarn_weight": np.array(ratio, "f4"),
             "gap": np.array([fabric.gap], "f4"),
             "yarn_F_0": F_0.astype("f4"),
             "yarn_A": np.array([y.albedo for y in fabric.yarn], "f4"),

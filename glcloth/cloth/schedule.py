@@ -42,7 +42,7 @@ POOLED_RATIO = (1.0, 1.3)  # ... when sigma is this many times the lobe's width 
 NARROW_DEG = (7.0, 9.0)  # ... and gamma at most this
 SAME_NODES_RATIO = (2.5, 3.3)  # lobes of one yarn whose widths differ more than this cannot share nodes in theta
 BLEND = np.log(1.1)  # half width in log sharpness of the change from one level to the next
-BROAD_LOBE = 1.5  # radians^2: lobes broader than this ask for no fewer nodes, because W varies too
+BROAD_LOBE = 0.75  # radians^2, of 2 gamma^2: lobes broader than this ask for no fewer nodes, because W varies too
 LINEN_LOBE = 0.088  # 2 gamma^2 of 12 degrees
 CUT_SHARPNESS = 3.5  # added to the sharpness: the horizon keeps the variance of a broad Gaussian finite
 
@@ -104,13 +104,17 @@ def sky_share(sharpness: np.ndarray, pooled: np.ndarray, lobes: tuple[Lobes, Lob
 
 
 def _scale(pooled: float, lobes: tuple[Lobes, Lobes]) -> float:
-    """How much sharper than for linen a Gaussian must be for the same level: the narrowest lobe that is not pooled decides."""
-    left = max(
-        (1.0 - pooled * share) / (2.0 * gamma**2)
+    """How much sharper than for linen a Gaussian must be for the same level: the narrowest lobe that is not pooled decides.
+
+    What is pooled in part counts in part.
+    """
+    broad = 1.0 / BROAD_LOBE
+    logs = [
+        (1.0 - pooled * share) * np.log(max(1.0 / (2.0 * gamma**2), broad)) + pooled * share * np.log(broad)
         for lobe in lobes
         for gamma, share in ((lobe.gamma_s, lobe.share_s), (lobe.gamma_v, lobe.share_v))
-    )
-    return float(np.clip(np.sqrt(LINEN_LOBE * max(left, 1.0 / BROAD_LOBE)), 0.15, 4.0))
+    ]
+    return float(np.clip(np.sqrt(LINEN_LOBE * np.exp(max(logs))), 0.15, 4.0))
 
 
 def _two_levels(height: float) -> list[tuple[int, float]]:
@@ -125,7 +129,7 @@ def sky_levels(schedule: Schedule, lobes: tuple[Lobes, Lobes]) -> list[tuple[int
     # One level less for lobes two times as wide as linen's; smooth steps between whole levels keep to one rule mostly.
     height = schedule.sky + np.clip(np.log2(_scale(1.0, lobes)), -2.0, 2.0)
     whole = np.floor(height)
-    return _two_levels(whole + float(smoothstep(0.4, 0.6, height - whole)))
+    return _two_levels(whole + float(smoothstep(0.46, 0.64, height - whole)))
 
 
 def levels(schedule: Schedule, sharpness: float, pooled: float, lobes: tuple[Lobes, Lobes]) -> list[tuple[int, float]]:
@@ -133,6 +137,8 @@ def levels(schedule: Schedule, sharpness: float, pooled: float, lobes: tuple[Lob
 
     `pooled` is the Gaussian's `pooled_share`.
     """
-    x = np.log(max(sharpness, 1e-9) / _scale(pooled, lobes))
-    height = sum(1.0 - float(smoothstep(np.log(t) - BLEND, np.log(t) + BLEND, x)) for t in schedule.sharper)
+    x, scale = np.log(max(sharpness, 1e-9)), np.log(_scale(pooled, lobes))
+    # A single node sees the lobe exactly; only W, which varies alike in all fabrics, asks for more.
+    edges = [np.log(t) + (scale if i else 0.5 * scale) for i, t in enumerate(schedule.sharper)]
+    height = sum(1.0 - float(smoothstep(edge - BLEND, edge + BLEND, x)) for edge in edges)
     return _two_levels(height + schedule.shift)

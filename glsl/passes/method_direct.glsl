@@ -28,14 +28,15 @@ uniform vec4 mask_series;               // of g_of_cos, for sigma of shadowing a
 uniform float gap;                      // 1 - a_1 - a_2 in W's normaliser
 uniform vec3 yarn_A[2];
 uniform vec2 yarn_F_0;
-uniform vec2 yarn_weight;
 // Four tangents each; unused ones weigh nothing. A LANES of 0 is a constant that lets the compiler drop a component.
 uniform vec4 slot_cos_tilt[GROUPS];
 uniform vec4 slot_sin_tilt[GROUPS];
-uniform vec4 slot_share[GROUPS];  // in W's normaliser; the factor in the sum is yarn_weight times that
+uniform vec4 slot_share[GROUPS];  // in W's normaliser
 uniform vec4 slot_yarn[GROUPS];  // 0 or 1
 uniform vec4 slot_F_0[GROUPS];
 uniform vec4 slot_k_d[GROUPS];
+// The factor in the sum over that in W's normaliser, and the numbers that `light_group` leaves out.
+uniform vec4 slot_surface[GROUPS], slot_volume_0[GROUPS], slot_volume_1[GROUPS];
 
 // What omega_o fixes. On llvmpipe arrays with constant indices are registers.
 vec2 sin_psi_o, cos_psi_o;  // of the two yarns, for tilt 0
@@ -103,7 +104,7 @@ void aim_group(int g, vec3 mean) {
     surface[g] = volume[g] = vec4(0.0);
 }
 
-// Adds the terms at one node. Constant factors wait for `sum_group`. No term needs a clamp at its tangent's horizon,
+// Adds the terms at one node, but for a factor 8 of the surface term and 4 of the volume term, which `sum_group` knows. No term needs a clamp at its tangent's horizon,
 // where P vanishes.
 void light_group(int g, vec3 omega_i, float weight) {
     vec4 along = of_yarn(g, omega_i.xy), across = of_yarn(g, vec2(omega_i.y, -omega_i.x));
@@ -127,23 +128,17 @@ void light_group(int g, vec3 omega_i, float weight) {
     volume[g] += front * F_t * F_t * (g_v + slot_k_d[g]);
 }
 
-vec2 surface_sums, volume_sums;  // of the two yarns
+vec3 sums;  // surface terms, volume terms of yarn 0 and of yarn 1
 
 void sum_group(int g) {
-    vec2 both = vec2(dot(surface[g], vec4(1.0)), dot(volume[g], vec4(1.0)));
-    vec2 second = vec2(dot(surface[g], slot_yarn[g]), dot(volume[g], slot_yarn[g]));
-    // 4 of 1 / cos^2(theta_d), 2 of cos(phi_d / 2)
-    surface_sums += 8.0 * vec2(both.x - second.x, second.x);
-    volume_sums += 4.0 * vec2(both.y - second.y, second.y);
+    sums += vec3(dot(surface[g], slot_surface[g]), dot(volume[g], slot_volume_0[g]), dot(volume[g], slot_volume_1[g]));
 }
 
 // The sum over the tangents of what `light_group` added.
 vec3 sum_tangents() {
-    surface_sums = volume_sums = vec2(0.0);
+    sums = vec3(0.0);
     EACH_GROUP(sum_group)
-    surface_sums *= yarn_weight;
-    volume_sums *= yarn_weight;
-    return surface_sums.x + surface_sums.y + yarn_A[0] * volume_sums.x + yarn_A[1] * volume_sums.y;
+    return sums.x + yarn_A[0] * sums.y + yarn_A[1] * sums.z;
 }
 
 vec4 fetch_node(int row, int column, float between) {
