@@ -31,7 +31,9 @@ def main():
     parser.add_argument("--fabrics", default="linen,silk_crepe_de_chine,satin_charmeuse_front")
     parser.add_argument("--size", default="640x480")
     parser.add_argument("--methods", default="paper,direct,direct_adaptive,direct_high")
-    parser.add_argument("--map", action="store_true", help="also the reference under the map against that under the lights")
+    parser.add_argument(
+        "--map", action="store_true", help="also the reference under the map against that under the lights"
+    )
     parser.add_argument("--out", type=Path, default=Path("out/pictures"))
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
