@@ -43,9 +43,16 @@ class GBuffer:
         self.target = ctx.framebuffer([self.color], self.depth)
         self.program = program or shader.program(ctx, "passes/surface.vert", "passes/surface.frag")
         self.ray_from_pixel = np.eye(3)
+        self._drawn: tuple | None = None
 
     def draw(self, mesh: MeshBuffers, camera: Camera, offset=(0.0, 0.0)) -> None:
-        """Fill the frames and the depth with one mesh, seen by `camera`, each pixel sampled at its centre + `offset`."""
+        """Fill the frames and the depth with one mesh, seen by `camera`, each pixel sampled at its centre + `offset`.
+
+        Does nothing when they hold just that: an edit of fabric or light moves no pixel.
+        """
+        if self._drawn == (mesh, camera, offset):
+            return
+        self._drawn = mesh, camera, offset
         near, far = camera.depth_range(mesh.low, mesh.high)
         clip = camera.clip_from_world(self.size, near, far, offset)
         self.ray_from_pixel = camera.ray_from_pixel(self.size, offset)
@@ -66,6 +73,7 @@ class GBuffer:
         """Black, alpha 0, everywhere."""
         self.target.use()
         self.target.color_mask = (True, True, True, True)
+        self.target.depth_mask = False  # what `draw` left stays
         self.target.clear(0.0, 0.0, 0.0, 0.0)
 
     def bind(self, program) -> None:

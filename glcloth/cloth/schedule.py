@@ -36,11 +36,11 @@ SCHEDULES = {
     "high": Schedule(sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, sky=8, theta_count=5, phi_pairs=6),
 }
 
-SKY_SHARPNESS = (4.0, 6.0)  # Gaussians broader than this are summed on nodes that are fixed to the surface
+SKY_SHARPNESS = (6.0, 9.0)  # Gaussians broader than this are summed on nodes that are fixed to the surface
 POOLED_SHARPNESS = (22.0, 30.0)  # Gaussians broader than this may be summed on the nodes of a narrow lobe ...
 POOLED_RATIO = (1.0, 1.3)  # ... when sigma is this many times the lobe's width 2 gamma or more, ...
-NARROW_DEG = (7.0, 9.0)  # ... and gamma at most this
-SAME_NODES_RATIO = (2.5, 3.3)  # lobes of one yarn whose widths differ more than this cannot share nodes in theta
+NARROW_DEG = (6.2, 11.0)  # ... and gamma at most this
+SAME_NODES_RATIO = (2.2, 4.0)  # lobes of one yarn whose widths differ more than this cannot share nodes in theta
 BLEND = np.log(1.1)  # half width in log sharpness of the change from one level to the next
 BROAD_LOBE = 0.75  # radians^2, of 2 gamma^2: lobes broader than this ask for no fewer nodes, because W varies too
 LINEN_LOBE = 0.088  # 2 gamma^2 of 12 degrees
