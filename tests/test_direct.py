@@ -71,6 +71,8 @@ def table_at(table, sharpness, angle):
 @pytest.mark.parametrize("level", [0, 2, 4, 6])
 def test_a_gaussian_rule_has_the_moments_of_the_gaussian_above_the_horizon(sharpness, level):
     """Mass and mean direction by brute force, for axes above, at and below the horizon."""
+    if level == 0 and sharpness < 10:
+        pytest.skip("one node is for narrow Gaussians")
     width = 1 / np.sqrt(sharpness + 1)
     for angle in (0.0, 0.4, np.pi / 2 - width, np.pi / 2, np.pi / 2 + width):
         xi = np.array([np.sin(angle), 0.0, np.cos(angle)])

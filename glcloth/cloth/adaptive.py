@@ -52,7 +52,7 @@ class AdaptiveRate:
         buffer.bind(self._fill)
         self._fill["tolerance"].value = self.tolerance
         self._fill["bend_limit"].value = BEND * narrowest_lobe
-        self._draw(self._fill, self._fine, moderngl.NOTHING, "<", False)
+        self._draw(self._fill, buffer.target, moderngl.DEPTH_TEST, ">", False)
         self.ctx.memory_barrier(moderngl.ALL_BARRIER_BITS)
         buffer.bind(list_program)
         buffer.color.bind_to_image(COLOR_IMAGE, read=False, write=True)
@@ -87,9 +87,8 @@ class AdaptiveRate:
         self._color.filter = moderngl.NEAREST, moderngl.NEAREST
         self._depth = self.ctx.depth_texture(size)
         self._coarse = self.ctx.framebuffer([self._color], self._depth)
-        self._fine = self.ctx.framebuffer([buffer.color])
         self._list = self.ctx.buffer(reserve=16 + 4 * width * height)
-        self._things = [self._coarse, self._fine, self._color, self._depth, self._list]
+        self._things = [self._coarse, self._color, self._depth, self._list]
 
     def release(self) -> None:
         """Free what belongs to the last G-buffer."""

@@ -1,6 +1,7 @@
 #version 430
 // Fills the picture from every second pixel of every second row, and lists the pixels where that is not good enough.   [own]
 #include "passes/gbuffer.glsl"
+layout(early_fragment_tests) in;  // a shader that writes to a buffer is tested late otherwise
 layout(binding = 5) uniform sampler2D coarse;
 layout(std430, binding = 0) buffer Pixels {
     uvec3 groups;  // of 64 pixels, for the dispatch of passes/shade_list.comp
@@ -50,12 +51,12 @@ void main() {
     bool diagonal = odd.x + odd.y == 2;
     vec4 first = between(low, odd, N);
     vec4 second = between(diagonal ? low + ivec2(0, 1) : low, diagonal ? ivec2(1, -1) : odd, N);
-    bool exact = odd.x + odd.y == 0, covered = N.w != 0.0;
+    bool exact = odd.x + odd.y == 0;
     vec4 mean = 0.5 * (first + second);
     float apart = abs(dot(first.rgb - second.rgb, LUMINANCE));
     bool good = min(first.a, second.a) > 0.0 && apart <= 4.0 * tolerance * dot(mean.rgb, LUMINANCE);
-    color = covered ? (exact ? coarse_at(low) : vec4(mean.rgb, first.a)) : vec4(0.0);
-    if (covered && !exact && !good) {
+    color = exact ? coarse_at(low) : vec4(mean.rgb, first.a);
+    if (!exact && !good) {
         uint i = atomicAdd(count, 1u);
         if ((i & 63u) == 0u) atomicAdd(groups.x, 1u);
         pixels[i] = uint(pixel.x) | uint(pixel.y) << 16;
