@@ -378,6 +378,11 @@ def test_adaptive_rate(renderer, name):
     covered = full[..., 3] > 0
     error = np.abs(luminance(fast[..., :3]) - luminance(full[..., :3]))[covered] / luminance(full[..., :3])[covered]
     assert error.mean() < 0.005 and np.quantile(error, 0.95) < 0.03 and np.quantile(error, 0.99) < 0.1
+    assert error.max() < 0.5
+    # What an earlier picture left behind must not count as a neighbour.
+    renderer.render(fabric="velvet", mesh="sphere", lights=sky(), size=size, background=False, adaptive=True)
+    again = renderer.render(fabric=name, mesh="drape", lights=sky(), size=size, background=False, adaptive=True)
+    assert np.array_equal(again, fast)
     assert renderer._adaptive.shaded() < 0.6 * covered.sum()
     assert (error == 0).mean() > 0.2  # every second pixel of every second row, and those of the list
 

@@ -70,12 +70,14 @@ class Direct:
         self._keys["all"] = key
         lobes = plan.pooled_lobes(fabric)
         sharpness = lights.gaussians.sharpness
-        pooled = plan.pooled_share(sharpness, lobes)
+        pooled = plan.pooled_share(schedule, sharpness, lobes)
         sky = plan.sky_share(sharpness, pooled, lobes)
-        nodes = self._write_entries(lights, schedule, lobes, pooled, sky, fabric)
+        # What the sky carries is wholly pooled in the lobes that are pooled; so the rest is pooled less.
+        rest = np.where(sky < 1.0, (pooled - sky) / np.where(sky < 1.0, 1.0 - sky, 1.0), 1.0)
+        rest = np.clip(rest, 0.0, 1.0) if pooled.any() else pooled
+        nodes = self._write_entries(lights, schedule, lobes, rest, sky, fabric)
         pool = self._write_lobes(fabric, schedule, lobes, pooled)
-        # What the sky carries is wholly pooled in the lobes that are pooled.
-        self._write_map(POOL_UNIT, lights, sky + (1.0 - sky) * pooled)
+        self._write_map(POOL_UNIT, lights, pooled)
         self._write_map(SKY_UNIT, lights, sky)
         self._set_fabric(fabric, pool > 0)
         self._evaluations = nodes * len(fabric.tangents) + pool

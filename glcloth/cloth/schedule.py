@@ -21,6 +21,7 @@ class Schedule:
     shift : levels added to that
     sky : level of the fixed nodes on which the broadest Gaussians are summed, for linen
     theta_count, phi_pairs : nodes of the pooled lobes of a tangent: in theta, and pairs in phi
+    pooled_ratio : how many times the width 2 gamma of a lobe sigma must be for its Gaussian to be pooled
     """
 
     sharper: tuple[float, ...] = (220.0, 15.0, 4.5, 1.5, 0.55)
@@ -28,18 +29,20 @@ class Schedule:
     sky: int = 6
     theta_count: int = 3
     phi_pairs: int = 4
+    pooled_ratio: tuple[float, float] = (0.7, 0.9)
 
 
 SCHEDULES = {
     "draft": Schedule(sharper=(120.0, 9.0, 2.5), sky=5, phi_pairs=3),
     "normal": Schedule(),
-    "high": Schedule(sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, sky=8, theta_count=5, phi_pairs=6),
+    "high": Schedule(
+        sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, sky=8, theta_count=5, phi_pairs=6, pooled_ratio=(0.6, 0.8)
+    ),
 }
 
 SKY_SHARPNESS = (6.0, 9.0)  # Gaussians broader than this are summed on nodes that are fixed to the surface
-POOLED_SHARPNESS = (22.0, 30.0)  # Gaussians broader than this may be summed on the nodes of a narrow lobe ...
-POOLED_RATIO = (1.0, 1.3)  # ... when sigma is this many times the lobe's width 2 gamma or more, ...
-NARROW_DEG = (6.2, 11.0)  # ... and gamma at most this
+POOLED_SHARPNESS = (22.0, 30.0)  # Gaussians broader than this may be summed on the nodes of a narrow lobe,
+NARROW_DEG = (6.2, 11.0)  # if gamma is at most this (and see Schedule.pooled_ratio)
 SAME_NODES_RATIO = (2.2, 4.0)  # lobes of one yarn whose widths differ more than this cannot share nodes in theta
 BLEND = np.log(1.1)  # half width in log sharpness of the change from one level to the next
 BROAD_LOBE = 0.75  # radians^2, of 2 gamma^2: lobes broader than this ask for no fewer nodes, because W varies too
@@ -86,14 +89,14 @@ def pooled_lobes(fabric: Fabric) -> tuple[Lobes, Lobes]:
     return tuple(out)
 
 
-def pooled_share(sharpness: np.ndarray, lobes: tuple[Lobes, Lobes]) -> np.ndarray:
+def pooled_share(schedule: Schedule, sharpness: np.ndarray, lobes: tuple[Lobes, Lobes]) -> np.ndarray:
     """How much [K] of each Gaussian the pooled nodes carry, in the lobes that are pooled."""
     widths = [lobe.width for lobe in lobes if max(lobe.share_s, lobe.share_v) > 0.0]
     if not widths:
         return np.zeros(len(sharpness))
     sigma = np.sqrt(2.0 / np.maximum(sharpness, 1e-9))
     broad = 1.0 - smoothstep(*POOLED_SHARPNESS, sharpness)
-    return broad * smoothstep(*POOLED_RATIO, sigma / max(widths))
+    return broad * smoothstep(*schedule.pooled_ratio, sigma / max(widths))
 
 
 def sky_share(sharpness: np.ndarray, pooled: np.ndarray, lobes: tuple[Lobes, Lobes]) -> np.ndarray:
