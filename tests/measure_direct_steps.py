@@ -113,9 +113,8 @@ def main():
                         if turn:
                             times[name].append(time.process_time() - begin)
             base = np.median(times["as it is"])
-            print(
-                f"\n{data['fabric_names'][number]}: {len(fabric.tangents)} tangents\n\n| variant | time | evaluations | error, % |\n|---|---|---|---|"
-            )
+            print(f"\n{data['fabric_names'][number]}: {len(fabric.tangents)} tangents")
+            print("\n| variant | time | evaluations | error, % |\n|---|---|---|---|")
             for name, values in times.items():
                 print(f"| {name} | {np.median(values) / base:.2f} | {rows[name][0]} | {rows[name][1]} |", flush=True)
 

@@ -40,8 +40,6 @@ class AdaptiveRate:
         self._make(buffer)
         self._cover["pixel_stride"].value = 2
         buffer.bind(self._cover)
-        self._coarse.depth_mask = True
-        self._coarse.clear(0.0, 0.0, 0.0, 0.0)  # alpha 0 says that nothing is there
         # The screen triangle lies at depth 1: it passes `>` at depth 0, and early depth testing drops the other pixels.
         self._draw(self._cover, self._coarse, moderngl.DEPTH_TEST, "1", True)
         buffer.bind(program)
