@@ -24,7 +24,7 @@ class Schedule:
     pooled_ratio : how many times the width 2 gamma of a lobe sigma must be for its Gaussian to be pooled
     """
 
-    sharper: tuple[float, ...] = (220.0, 15.0, 4.5, 1.5, 0.55)
+    sharper: tuple[float, ...] = (150.0, 15.0, 4.5, 1.5, 0.55)
     shift: int = 0
     sky: int = 6
     theta_count: int = 3
@@ -141,7 +141,7 @@ def levels(schedule: Schedule, sharpness: float, pooled: float, lobes: tuple[Lob
     `pooled` is the Gaussian's `pooled_share`.
     """
     x, scale = np.log(max(sharpness, 1e-9)), np.log(_scale(pooled, lobes))
-    # A single node sees the lobe exactly; only W, which varies alike in all fabrics, asks for more.
-    edges = [np.log(t) + (scale if i else 0.5 * scale) for i, t in enumerate(schedule.sharper)]
+    # A single node sees the lobe exactly; it is W, which varies alike in all fabrics, that asks for more.
+    edges = [np.log(t) + (scale if i else 0.75 * scale) for i, t in enumerate(schedule.sharper)]
     height = sum(1.0 - float(smoothstep(edge - BLEND, edge + BLEND, x)) for edge in edges)
     return _two_levels(height + schedule.shift)
