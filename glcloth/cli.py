@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import sys
 import time
 from contextlib import ExitStack
@@ -15,7 +16,7 @@ from cyclopts import App, CycloptsError, Parameter
 from . import __version__
 from .errors import InputError, NoOpenGLError, ShaderError
 from .files import check_writable
-from .progress import hear_ctrl_c, say, track
+from .progress import hear_ctrl_c, say, track, was_stopped
 
 ABOUT = """Woven cloth as it really looks, on OpenGL.
 
@@ -497,9 +498,17 @@ def main(arguments: list[str] | None = None) -> None:
     except BrokenPipeError:
         code, line = 0, ""
     except KeyboardInterrupt:
-        code, line = 130, "stopped; nothing was left half-written"
+        code, line = 130, ""
+    except Exception as error:
+        if os.environ.get("GLCLOTH_DEBUG"):
+            raise
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        code, line = 1, f"a fault of glcloth, please report it: {what}; GLCLOTH_DEBUG=1 shows where"
     else:
         return
+    # A module that was being imported may have swallowed Ctrl-C and failed of the consequences.
+    if was_stopped() or code == 130:
+        code, line = 130, "stopped; nothing was left half-written"
     if line:
         say(f"glcloth: {' '.join(line.split())}" if code == 2 else f"glcloth: {line}")
     sys.exit(code)

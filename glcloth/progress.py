@@ -27,6 +27,11 @@ def hear_ctrl_c() -> None:
     signal.signal(signal.SIGINT, stop)
 
 
+def was_stopped() -> bool:
+    """True once Ctrl-C was pressed."""
+    return _stopped
+
+
 def check_stopped() -> None:
     """Raise KeyboardInterrupt if Ctrl-C was pressed and a library that was being imported swallowed it."""
     if _stopped:

@@ -243,7 +243,7 @@ def test_every_mesh_format_gives_the_same_picture(tmp_path, capsys):
     assert np.abs(pictures[0] - pictures[1]).max() < 1e-3 and np.abs(pictures[0] - pictures[2]).max() < 1e-3
 
 
-@pytest.mark.parametrize("seconds", [0.1, 0.4, 0.7, 1.0, 1.5, 3.0])
+@pytest.mark.parametrize("seconds", [0.1, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.5, 3.0])
 def test_ctrl_c_is_heard_at_any_moment(tmp_path, seconds):
     """While modules load, which swallow it, as well as later: exit 130, one line, nothing left behind."""
     command = [sys.executable, "-m", "glcloth", "render", "-o", "a.png", *QUICK[:-2], "--spp", "256"]
@@ -281,3 +281,16 @@ def test_animate_writes_whole_frames_and_resumes(tmp_path, capsys):
     assert np.array_equal(read_image(pattern.parent / "002.exr"), last)
     assert "%04d" in fails(capsys, "animate", "-o", tmp_path / "a.png", *QUICK)
     assert "start" in fails(capsys, "animate", "-o", pattern, *QUICK, "--frames", "3", "--start", "3")
+
+
+def test_a_fault_of_ours_is_one_line_too(tmp_path, monkeypatch, capsys):
+    from glcloth import renderer
+
+    def broken(*_):
+        raise RuntimeError("something\nunforeseen")
+
+    monkeypatch.setattr(renderer.Renderer, "draw", broken)
+    monkeypatch.delenv("GLCLOTH_DEBUG", raising=False)
+    assert run("render", "-o", tmp_path / "a.png", *QUICK) == 1
+    err = capsys.readouterr().err
+    assert err.count("\n") == 1 and "unforeseen" in err and "GLCLOTH_DEBUG" in err
