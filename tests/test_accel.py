@@ -6,10 +6,10 @@ import curtain_scenes as scenes
 import numpy as np
 import pytest
 
-from glcloth.curtain.accel import STRUCTURES, RayQueries, make_structure
-from glcloth.curtain.brute import Brute
-from glcloth.curtain.kdtree import CONSTANTS, KdTree, KdTreeParameters
-from glcloth.curtain.triangles import Triangles
+from glcloth.accel.brute import Brute
+from glcloth.accel.kdtree import CONSTANTS, KdTree, KdTreeParameters
+from glcloth.accel.queries import STRUCTURES, RayQueries, make_structure
+from glcloth.accel.triangles import Triangles
 from glcloth.errors import InputError
 from glcloth.reference import intersect
 from glcloth.reference import kdtree as exact

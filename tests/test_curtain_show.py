@@ -4,7 +4,7 @@ import curtain_scenes as scenes
 import numpy as np
 import pytest
 
-from glcloth.curtain.accel import RayQueries
+from glcloth.accel.queries import RayQueries
 from glcloth.curtain.cloth import CurtainParameters
 from glcloth.curtain.show import CurtainScene, CurtainShow, bench_curtain, parse_curtain_scene
 from glcloth.errors import InputError

@@ -4,12 +4,12 @@ import curtain_scenes as scenes
 import numpy as np
 import pytest
 
+from glcloth.accel.kdtree import KdTree
+from glcloth.accel.triangles import Triangles
 from glcloth.camera import Camera
-from glcloth.curtain.kdtree import KdTree
 from glcloth.curtain.lighting import Lamp, Lighting
 from glcloth.curtain.tracer import Tracer
 from glcloth.curtain.tree_view import GREEN, GREY, YELLOW, box_lines, draw_tree, shown_nodes
-from glcloth.curtain.triangles import Triangles
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.reference import sheet

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 import slow_tracer
 
+from glcloth.accel.triangles import Triangles
 from glcloth.camera import Camera
 from glcloth.curtain.lighting import Lamp, Lighting
 from glcloth.curtain.tracer import Tracer, TraceSettings
-from glcloth.curtain.triangles import Triangles
 from glcloth.environment import Environment, lookup, rotation_y
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
@@ -208,7 +208,7 @@ def test_against_a_slow_tracer(tracer):
 @pytest.mark.parametrize("accelerator", ["lbvh", "brute"])
 def test_structures_make_the_same_picture(tracer, accelerator):
     if accelerator == "lbvh":
-        pytest.importorskip("glcloth.curtain.lbvh")
+        pytest.importorskip("glcloth.accel.lbvh")
     scene = folded_scene()
     pictures = [
         tracer.render(**scene, camera=ROOM_CAMERA, size=(64, 64), fabric=VOILE, lighting=ROOM_LIGHT,

@@ -15,6 +15,7 @@ import moderngl
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
+from ..accel.triangles import Triangles
 from ..camera import Camera
 from ..environment import Environment, load_environment
 from ..errors import InputError
@@ -26,7 +27,6 @@ from .lighting import Lamp, Lighting
 from .room import ROOM, Room, load_room
 from .tracer import Tracer, TraceSettings
 from .tree_view import draw_tree
-from .triangles import Triangles
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree

@@ -15,6 +15,8 @@ import moderngl
 import numpy as np
 
 from .. import shader
+from ..accel.queries import RAYS_UNIT, RayQueries, make_structure
+from ..accel.triangles import PADDING, Triangles
 from ..camera import Camera
 from ..environment import Environment, rotation_y
 from ..errors import InputError
@@ -22,11 +24,9 @@ from ..fabric import Fabric
 from ..fabric_buffer import FabricBuffer
 from ..gpu import TextureBuffer
 from ..progress import track
-from .accel import RAYS_UNIT, RayQueries, make_structure
 from .energy import mean_albedo, reflection_limit
 from .layers import LayersPicture
 from .lighting import Lighting
-from .triangles import PADDING, Triangles
 
 DEEPEST = 8
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
