@@ -28,12 +28,12 @@ class Schedule:
     shift: int = 0
     sky: int = 6
     theta_count: int = 3
-    phi_pairs: int = 4
+    phi_pairs: int = 3
     pooled_ratio: tuple[float, float] = (0.7, 0.9)
 
 
 SCHEDULES = {
-    "draft": Schedule(sharper=(120.0, 9.0, 2.5), sky=5, phi_pairs=3),
+    "draft": Schedule(sharper=(120.0, 9.0, 2.5), sky=5),
     "normal": Schedule(),
     "high": Schedule(
         sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, sky=8, theta_count=5, phi_pairs=6, pooled_ratio=(0.6, 0.8)
