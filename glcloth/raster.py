@@ -7,19 +7,24 @@ import numpy as np
 
 from . import shader
 from .camera import Camera
+from .gpu import TextureBuffer
 from .mesh import Mesh
 
 FRAME_UNITS = (3, 4)  # texture units of frame_N and frame_x, as passes/gbuffer.glsl declares them
+POINT_UNITS = (6, 7)  # of frame_p and frame_b, as passes/gbuffer_point.glsl declares them; of the mesh in surface.frag
+VERTEX_TEXELS = 3  # position, normal, tangent
 
 
 class MeshBuffers:
-    """One mesh on the GPU."""
+    """One mesh on the GPU, to be drawn and to be fetched from: `vertices` has VERTEX_TEXELS for each, `indices` three
+    texels a triangle."""
 
     def __init__(self, ctx: moderngl.Context, mesh: Mesh):
         self.mesh = mesh
-        vertices = np.concatenate([mesh.positions, mesh.normals, mesh.tangents], axis=1).astype("f4")
-        self.vertices = ctx.buffer(vertices.tobytes())
-        self.indices = ctx.buffer(mesh.triangles.astype("i4").tobytes())
+        vertices = np.zeros((len(mesh.positions), VERTEX_TEXELS, 4), "f4")
+        vertices[:, 0, :3], vertices[:, 1, :3], vertices[:, 2] = mesh.positions, mesh.normals, mesh.tangents
+        self.vertices = TextureBuffer(ctx, vertices)
+        self.indices = TextureBuffer(ctx, mesh.triangles.astype("i4"), "r32i")
         self.low, self.high = mesh.positions.min(0), mesh.positions.max(0)
 
     def release(self) -> None:
@@ -35,11 +40,13 @@ class GBuffer:
         self.ctx, self.size = ctx, size
         self.frame_N = ctx.texture(size, 4, dtype="f4")
         self.frame_x = ctx.texture(size, 4, dtype="f4")
+        self.frame_p = ctx.texture(size, 4, dtype="f4")
+        self.frame_b = ctx.texture(size, 2, dtype="f4")
         self.color = ctx.texture(size, 4, dtype="f4")
-        for texture in (self.frame_N, self.frame_x, self.color):
+        for texture in (self.frame_N, self.frame_x, self.frame_p, self.frame_b, self.color):
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self.depth = ctx.depth_texture(size)
-        self.frames = ctx.framebuffer([self.frame_N, self.frame_x], self.depth)
+        self.frames = ctx.framebuffer([self.frame_N, self.frame_x, self.frame_p, self.frame_b], self.depth)
         self.target = ctx.framebuffer([self.color], self.depth)
         self.program = program or shader.program(ctx, "passes/surface.vert", "passes/surface.frag")
         self.ray_from_pixel = np.eye(3)
@@ -58,8 +65,10 @@ class GBuffer:
         self.ray_from_pixel = camera.ray_from_pixel(self.size, offset)
         self.program["clip_from_world"].write(clip.T.astype("f4").tobytes())
         self.program["eye"].value = camera.eye
-        layout = [(mesh.vertices, "3f 3f 4f", "in_position", "in_normal", "in_tangent")]
-        array = self.ctx.vertex_array(self.program, layout, mesh.indices, 4)
+        layout = [(mesh.vertices.buffer, "3f 1x4 3f 1x4 4f", "in_position", "in_normal", "in_tangent")]
+        array = self.ctx.vertex_array(self.program, layout, mesh.indices.buffer, 4)
+        mesh.vertices.bind(POINT_UNITS[0])
+        mesh.indices.bind(POINT_UNITS[1])
         self.frames.use()
         self.frames.viewport = (0, 0, *self.size)
         self.frames.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
@@ -82,6 +91,11 @@ class GBuffer:
         self.frame_x.use(FRAME_UNITS[1])
         if "ray_from_pixel" in program:
             program["ray_from_pixel"].write(self.ray_from_pixel.T.astype("f4").tobytes())
+
+    def bind_points(self, program) -> None:
+        """Give a program that includes passes/gbuffer_point.glsl the point and the triangle that each pixel sees."""
+        self.frame_p.use(POINT_UNITS[0])
+        self.frame_b.use(POINT_UNITS[1])
 
     def shade(self, program, add: bool = False, rows: tuple[int, int] | None = None) -> None:
         """Run a program of passes/screen.vert for every covered pixel; `add` its colour instead of setting it.
@@ -136,5 +150,14 @@ class GBuffer:
     def release(self) -> None:
         # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
         self.ctx.detect_framebuffer(0).use()
-        for thing in (self.frames, self.target, self.frame_N, self.frame_x, self.color, self.depth):
+        for thing in (
+            self.frames,
+            self.target,
+            self.frame_N,
+            self.frame_x,
+            self.frame_p,
+            self.frame_b,
+            self.color,
+            self.depth,
+        ):
             thing.release()

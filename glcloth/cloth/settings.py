@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 MethodName = Literal["direct", "paper", "reference"]
 Quality = Literal["draft", "normal", "high"]
+Shadows = Literal["off", "sun", "full"]
 
 
 @dataclass(frozen=True)
@@ -25,6 +26,7 @@ class Settings:
     light : "sg" the fitted lights, "map" the environment itself (method reference only)
     cube : edge of the cube map whose directions the reference sums
     contribution, grid : of the paper method's tables
+    shadows : "sun" hard ones of the suns, "full" those of the Gaussians too, and light from fold to fold
     environment, rotation : the map, and its rotation matrix [3, 3] (new direction = rotation @ direction), for light "map"
     """
 
@@ -34,5 +36,6 @@ class Settings:
     cube: int = 32
     contribution: float = 0.9
     grid: int = 48
+    shadows: Shadows = "off"
     environment: Environment | None = None
     rotation: np.ndarray | None = None

@@ -1,13 +1,21 @@
 #version 430
-// The surface frame of every covered pixel, turned toward the viewer: N and the x axis, with the handedness.
+// The surface frame of every covered pixel, turned toward the viewer: N and the x axis, with the handedness; and where
+// on which triangle it lies.
+#include "core/origin.glsl"
 #include "core/shading_frame.glsl"
 in vec3 position;
 in vec3 normal;
 in vec3 tangent;
 flat in float handedness;
 uniform vec3 eye;
+layout(binding = 6) uniform samplerBuffer vertex_data;   // three texels a vertex: position, normal, tangent
+layout(binding = 7) uniform isamplerBuffer corner_index;  // three a triangle
 layout(location = 0) out vec4 frame_N;  // N, and 1 or -1: the handedness of (x, y, N); 0 where nothing is drawn
 layout(location = 1) out vec4 frame_x;  // x, and the side of the sheet that is seen: 1 front, -1 back
+layout(location = 2) out vec4 frame_p;  // where rays start, world; the number of the triangle
+layout(location = 3) out vec2 frame_b;  // barycentric coordinates of the triangle's second and third corner
+
+const float OFFSET = 0.02;  // of the triangle's size: how far rays start from it
 
 void main() {
     vec3 omega_o = normalize(eye - position);
@@ -20,4 +28,17 @@ void main() {
     // Seen from behind, x stays and y stays: (x, y, -N) has the other handedness.
     frame_N = vec4(N, handedness * side);
     frame_x = vec4(orthogonal_part(tangent, N), side);
+
+    ivec3 corners = ivec3(texelFetch(corner_index, 3 * gl_PrimitiveID).x,
+        texelFetch(corner_index, 3 * gl_PrimitiveID + 1).x, texelFetch(corner_index, 3 * gl_PrimitiveID + 2).x);
+    vec3 a = texelFetch(vertex_data, 3 * corners.x).xyz, n_a = side * texelFetch(vertex_data, 3 * corners.x + 1).xyz;
+    vec3 b = texelFetch(vertex_data, 3 * corners.y).xyz, n_b = side * texelFetch(vertex_data, 3 * corners.y + 1).xyz;
+    vec3 c = texelFetch(vertex_data, 3 * corners.z).xyz, n_c = side * texelFetch(vertex_data, 3 * corners.z + 1).xyz;
+    vec3 weights = barycentric(position, a, b, c);
+    vec3 x = weights.x * a + weights.y * b + weights.z * c;
+    vec3 across = side * cross(b - a, c - a);
+    float area_2 = length(across);
+    vec3 step_off = area_2 > 0.0 ? OFFSET * inversesqrt(area_2) * across : vec3(0.0);
+    frame_p = vec4(lifted(x, weights, a, b, c, n_a, n_b, n_c) + step_off, float(gl_PrimitiveID));
+    frame_b = weights.yz;
 }

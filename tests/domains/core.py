@@ -1,8 +1,32 @@
 """Domains of glsl/core."""
 
+import numpy as np
+
 from . import between, directions, vectors
 
+
+def weights(rng, count):
+    """Barycentric coordinates."""
+    return rng.dirichlet((1.0, 1.0, 1.0), count)
+
+
+def fixed(corner):
+    """A corner that shakes a little, so that every triangle has an area."""
+    return lambda rng, count: np.asarray(corner) + rng.uniform(-0.2, 0.2, (count, 3))
+
+
+DOMAINS = {
+    "a": fixed((1.0, 0.0, 0.0)),
+    "b": fixed((0.0, 1.0, 0.0)),
+    "c": fixed((0.0, 0.0, 1.0)),
+    "n_a": directions,
+    "n_b": directions,
+    "n_c": directions,
+    "weights": weights,
+}
 SPECIAL = {
+    ("barycentric", "x"): vectors(1.0),
+    ("lifted", "x"): vectors(1.0),
     ("facing_normal", "least"): between(0.02, 0.1),
     ("pow5", "x"): between(-2.0, 2.0, 0.0, 1.0),
     ("orthogonal_part", "v"): vectors(1.0),
