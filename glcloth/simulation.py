@@ -15,7 +15,7 @@ buckets are sorted, so that they do not depend on the order of atomic operations
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import moderngl
@@ -208,6 +208,12 @@ class Cloth:
 
     def step(self, dt: float) -> moderngl.Buffer:
         """Advance by dt seconds in `parameters.substeps` equal substeps; return `position_buffer`."""
+        for _ in self.steps(dt):
+            pass
+        return self.position_buffer
+
+    def steps(self, dt: float) -> Iterator[None]:
+        """As `step`, for a caller with other things to do in between: yields after every `air_substeps` substeps."""
         if not (dt > 0 and math.isfinite(dt)):
             raise InputError(f"cloth: time step {dt} s, must be > 0; change it")
         m = self.parameters
@@ -224,6 +230,7 @@ class Cloth:
             if k % m.air_substeps == 0:
                 if k > 0:
                     self._run(finish, ADVANCE, self.vertex_count)
+                    yield
                 if max(m.drag) > 0:
                     self._air(h * min(m.air_substeps, m.substeps - k))
                 self._run(begin, ADVANCE, self.vertex_count)
@@ -233,7 +240,7 @@ class Cloth:
             self.time += h
             self.substeps_done += 1
         self._run(finish, ADVANCE, self.vertex_count)
-        return self.position_buffer
+        yield
 
     def _advance(self, finish: int, begin: int, values: dict) -> moderngl.ComputeShader:
         """Return the pass between two substeps with its uniforms set."""
@@ -325,6 +332,16 @@ class Cloth:
         if velocities is not None:
             state[:, :3] = np.asarray(velocities).reshape(-1, 3)
         self._buffers["Velocity"].write(state.tobytes())
+
+    def set_parameters(self, parameters: ClothParameters) -> None:
+        """Take another material as the cloth hangs now; the spacing stays. Raises InputError for another spacing."""
+        if parameters.spacing != self.parameters.spacing or (parameters.gap > 0) != (self.parameters.gap > 0):
+            raise InputError("cloth: spacing and self-contact are fixed once it hangs; make another cloth")
+        heavier = (parameters.mass, parameters.hem) != (self.parameters.mass, self.parameters.hem)
+        self.parameters = parameters
+        if heavier:
+            self.inverse_mass = np.where(self.inverse_mass > 0.0, 1.0 / self._masses(), 0.0)
+            self.set_state(self.positions(), self.velocities())
 
     def strain(self) -> np.ndarray:
         """Return the strains of all row and column edges, (length - rest) / rest, as one array."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Literal
 
@@ -90,6 +91,10 @@ class CurtainParameters:
         return 2 * self.quads[0] * self.quads[1]
 
 
+# What may change while the curtain moves; for anything else it is hung anew.
+LIVE = ("wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
+
+
 class CurtainSimulation:
     """A curtain in motion. Its buffers hold one vec4 a vertex, `rows` x `columns` of them row by row from the top:
     `position_buffer` (m), `normal_buffer` (+z side), `tangent_buffer` (yarn 1, along the rail)."""
@@ -98,8 +103,11 @@ class CurtainSimulation:
     # crushed under the heading stretch hardly a thread by more than 5 %.
     SUBSTEP_RATE = 360
 
-    def __init__(self, ctx: moderngl.Context, parameters: CurtainParameters | None = None):
-        """Hang the curtain and let it settle; deterministic. Raises InputError as CurtainParameters does."""
+    def __init__(self, ctx: moderngl.Context, parameters: CurtainParameters | None = None, settle: bool = True):
+        """Hang the curtain and let it settle; deterministic. Raises InputError as CurtainParameters does.
+
+        settle : False leaves that to a caller who goes through `settling()` before the first step
+        """
         self.parameters = m = parameters or CurtainParameters()
         columns, rows = m.quads[0] + 1, m.quads[1] + 1
         rail = pleated_rail(m, columns)
@@ -111,17 +119,11 @@ class CurtainSimulation:
         spacing = (m.width * m.fullness / m.quads[0], m.drop / m.quads[1])
         cloth = ClothParameters(
             spacing=spacing,
-            mass=m.mass,
-            stretch=m.stretch,
-            shear=m.shear,
-            bending=m.bending,
-            damping=m.damping,
-            drag=(1.3 * (1 - m.openness), 0.05 * (1 - m.openness)),
+            **_material(m),
             thickness=0.01,
             # Pleats meet side by side, so a row need only heed itself, one and a half pleats to either side.
             gap=1.05 * spacing[0],
             contact_columns=3 * m.quads[0] // (2 * m.pleats),
-            hem=m.hem,
         )
         solids = (Plane((0.0, 0.0, 1.0), 0.0), Plane((0.0, 1.0, 0.0), 0.0))
         self.cloth = Cloth(ctx, cloth, positions, solids, pinned, Wind((0.0, 0.0, 0.0)))
@@ -129,11 +131,28 @@ class CurtainSimulation:
         self.position_buffer = self.cloth.position_buffer
         self.normal_buffer = self.cloth.normal_buffer
         self.tangent_buffer = self.cloth.tangent_buffer
-        for _ in range(round(m.settle * 30)):
-            self._advance(1 / 30)
+        for _ in self.settling() if settle else ():
+            pass
+
+    def settling(self) -> Iterator[float]:
+        """Let the curtain hang without wind, then let the wind begin; yields the share that is done."""
+        steps = round(self.parameters.settle * 30)
+        for k in range(steps):
+            for _ in self._advance(1 / 30):
+                yield k / steps
         self.cloth.time = 0.0
-        self.cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
+        self.cloth.wind = Wind((0.0, 0.0, self.parameters.wind), self.parameters.gustiness)
         self.cloth.update_frames()
+
+    def change(self, parameters: CurtainParameters) -> bool:
+        """Take other parameters while the curtain moves; False, and nothing done, where it must be hung anew for them."""
+        m = self.parameters
+        if dataclasses.replace(m, **{name: getattr(parameters, name) for name in LIVE}) != parameters:
+            return False
+        self.parameters = m = parameters
+        self.cloth.set_parameters(dataclasses.replace(self.cloth.parameters, **_material(m)))
+        self.cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
+        return True
 
     @property
     def time(self) -> float:
@@ -142,17 +161,22 @@ class CurtainSimulation:
 
     def step(self, dt: float) -> moderngl.Buffer:
         """Advance by dt seconds; return `position_buffer`. Normals and tangents are up to date."""
-        self._advance(dt)
-        self.cloth.update_frames()
+        for _ in self.steps(dt):
+            pass
         return self.position_buffer
 
-    def _advance(self, dt: float) -> None:
+    def steps(self, dt: float) -> Iterator[None]:
+        """As `step`, a few substeps at a time, for a caller with other things to do in between."""
+        yield from self._advance(dt)
+        self.cloth.update_frames()
+
+    def _advance(self, dt: float) -> Iterator[None]:
         m = self.parameters
         rate = self.SUBSTEP_RATE * max(1.0, abs(m.wind) * (1 + m.gustiness)) ** 2
         substeps = max(1, math.ceil(dt * rate - 1e-9))
         if substeps != self.cloth.parameters.substeps:
             self.cloth.parameters = dataclasses.replace(self.cloth.parameters, substeps=substeps)
-        self.cloth.step(dt)
+        yield from self.cloth.steps(dt)
 
     def positions(self) -> np.ndarray:
         """Return [rows, columns, 3] float32, m."""
@@ -169,6 +193,12 @@ class CurtainSimulation:
     def release(self) -> None:
         """Free the GPU's memory."""
         self.cloth.release()
+
+
+def _material(m: CurtainParameters) -> dict:
+    """The fields of ClothParameters that may change while the curtain moves."""
+    kept = {name: getattr(m, name) for name in ("mass", "stretch", "shear", "bending", "damping", "hem")}
+    return kept | {"drag": (1.3 * (1 - m.openness), 0.05 * (1 - m.openness))}
 
 
 def pleated_rail(parameters: CurtainParameters, columns: int) -> np.ndarray:

@@ -6,7 +6,7 @@ import dataclasses
 import statistics
 import time
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Literal
@@ -139,17 +139,28 @@ class CurtainShow:
     The room's triangles come first, then the curtain's; `triangles` holds them, `tracer` traces them.
     """
 
-    def __init__(self, ctx: moderngl.Context, scene: CurtainScene | None = None, triangles: int | None = None):
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        scene: CurtainScene | None = None,
+        triangles: int | None = None,
+        environment: Environment | None = None,
+        settle: bool = True,
+    ):
         """Read the files, hang the curtain and let it settle.
 
+        Parameters
+        ----------
         triangles : about how many triangles the room and the curtain shall have together (default: as the scene says)
+        environment : the scene's, where it has been read already
+        settle : False leaves that to a caller who goes through `simulation.settling()` and calls `moved` then
 
         Raises InputError for wrong files and values.
         """
         self.ctx = ctx
         self.scene = scene = scene or CurtainScene()
         self.fabric: Fabric = load_fabric(scene.fabric)
-        self.environment: Environment = load_environment(scene.env)
+        self.environment: Environment = environment or load_environment(scene.env)
         self.room: Room = load_room(scene.room or ROOM)
         parameters = scene.curtain
         if triangles is not None:
@@ -159,9 +170,8 @@ class CurtainShow:
                 )
             if triangles - len(self.room.positions) != parameters.triangle_count:
                 parameters = parameters.with_triangles(triangles - len(self.room.positions))
-        if self.fabric.transmission is not None:
-            parameters = dataclasses.replace(parameters, openness=self.fabric.transmission.openness)
-        self.simulation = CurtainSimulation(ctx, parameters)
+        parameters = _with_openness(parameters, self.fabric)
+        self.simulation = CurtainSimulation(ctx, parameters, settle)
         self.frame = 0
         room = len(self.room.positions)
         cloth = 2 * (self.simulation.rows - 1) * (self.simulation.columns - 1)
@@ -173,9 +183,9 @@ class CurtainShow:
         self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
         self.tracer = Tracer(ctx)
         self.tracer.set_scene(self.triangles, self.materials)
-        self._update()
+        self.moved()
 
-    def _update(self) -> None:
+    def moved(self) -> None:
         """Copy the curtain as it hangs now into the soup; the tree is out of date then."""
         s = self.simulation
         self.triangles.set_grid(
@@ -188,11 +198,34 @@ class CurtainShow:
         for _ in range(frames):
             self.simulation.step(1.0 / self.scene.rate)
         self.frame += frames
-        self._update()
+        self.moved()
+
+    def change(self, scene: CurtainScene, environment: Environment | None = None) -> bool:
+        """Take another scene as the curtain hangs now; False, and nothing done, where it must be made anew.
+
+        environment : the new scene's, where it has been read already
+
+        Raises InputError for wrong files and values.
+        """
+        fabric, here = load_fabric(scene.fabric), self.scene
+        same = scene.room == here.room and self.simulation.change(_with_openness(scene.curtain, fabric))
+        if not same:
+            return False
+        if environment is not None:
+            self.environment = environment
+        elif scene.env != here.env:
+            self.environment = load_environment(scene.env)
+        self.scene, self.fabric = scene, fabric
+        return True
+
+    @property
+    def built(self) -> bool:
+        """Whether the scene's structure holds the present frame."""
+        return self.scene.accelerator in self._built
 
     def build(self) -> None:
         """Build the scene's structure for the present frame, if it is not yet."""
-        if self.scene.accelerator not in self._built:
+        if not self.built:
             self.tracer.build(self.scene.accelerator)
             self._built.add(self.scene.accelerator)
 
@@ -202,6 +235,16 @@ class CurtainShow:
         s = self.scene
         return self.tracer.trace(s.view, s.size, self.fabric, s.lighting, self.environment, s.settings, s.env_rotate)
 
+    def steps(self, size: tuple[int, int], spp: int, pixels: Callable[[], int]) -> Iterator[float]:
+        """Trace the present frame tile by tile into `tracer.picture`, as Tracer.steps does; at the scene's size and
+        samples it is `picture`, bit for bit."""
+        self.build()
+        s = self.scene
+        settings = dataclasses.replace(s.settings, spp=spp)
+        return self.tracer.steps(
+            s.view, size, self.fabric, s.lighting, self.environment, settings, s.env_rotate, None, pixels
+        )
+
     def layers(self) -> np.ndarray:
         """The present frame rasterised: sorted layers, blended, without shadows; result as for `picture`."""
         background = tuple(map(float, self.environment.mean))
@@ -210,18 +253,21 @@ class CurtainShow:
 
     def tree(self, level: int | None = None, camera: Camera | None = None) -> np.ndarray:
         """The structure of the present frame as a picture, of one level or (None) of its leaves; result as for `picture`."""
+        return draw_tree(self.ctx, size=self.scene.size, level=level, **self.tree_arguments(camera or self.scene.view))
+
+    def tree_arguments(self, camera: Camera) -> dict:
+        """What TreePicture.draw takes of the present frame."""
         self.build()
+        arrays = self.tracer.structure(self.scene.accelerator).arrays()
+        positions = self.triangles.positions()
         material = np.concatenate(
             [self.room.material + 1, np.zeros(self.triangles.count - len(self.room.material), int)]
         )
         colors = np.where((material == CLOTH)[:, None], CLOTH_TINT, self.materials[material])
-        arrays = self.tracer.structure(self.scene.accelerator).arrays()
-        positions = self.triangles.positions()
-        view = camera or self.scene.view
-        return draw_tree(
-            self.ctx, arrays, positions, colors, view, self.scene.size, self.scene.lamp_position, level,
-            _away(positions, view),
-        )  # fmt: skip
+        return {
+            "tree": arrays, "positions": positions, "colors": colors, "camera": camera,
+            "lamp": self.scene.lamp_position, "hidden": _away(positions, camera),
+        }  # fmt: skip
 
     def frames(self, count: int, start: int = 0) -> Iterator[np.ndarray]:
         """Yield the pictures of frames `start` to `count` - 1; the ones before are only simulated."""
@@ -244,6 +290,13 @@ class CurtainShow:
 
     def __exit__(self, *_) -> None:
         self.release()
+
+
+def _with_openness(parameters: CurtainParameters, fabric: Fabric) -> CurtainParameters:
+    """The curtain lets air through as its fabric does."""
+    if fabric.transmission is None:
+        return parameters
+    return dataclasses.replace(parameters, openness=fabric.transmission.openness)
 
 
 def _away(positions: np.ndarray, camera: Camera) -> np.ndarray:

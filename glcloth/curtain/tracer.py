@@ -8,6 +8,7 @@ depends on the order in which the GPU works. Large pictures are made in tiles.
 from __future__ import annotations
 
 import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -129,7 +130,7 @@ class Tracer:
         self._hits = TextureBuffer(ctx, 64, "rgba32ui")
         self._shadows = TextureBuffer(ctx, 64)
         self._counts = ctx.buffer(reserve=16, dynamic=True)
-        self._picture = ctx.buffer(reserve=64, dynamic=True)
+        self.picture = ctx.buffer(reserve=64, dynamic=True)
         self._work = ctx.buffer(reserve=64, dynamic=True)
         self._materials = TextureBuffer(ctx, 64)
         self._fabric = FabricBuffer(ctx)
@@ -216,6 +217,37 @@ class Tracer:
 
         offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `spp` points
         """
+        width, height = size
+        begin = time.perf_counter()
+        steps = self.steps(camera, size, fabric, lighting, environment, settings, env_rotate, offsets)
+        total = len(list(_tiles(width, height))) * len(offsets or sample_offsets((settings or TraceSettings()).spp))
+        for _ in track(steps, "trace: samples of tiles", total) if total > 1 else steps:
+            pass
+        picture = np.frombuffer(self.picture.read(16 * width * height), np.float32).reshape(height, width, 4)
+        self.statistics.total_ms = 1000 * (time.perf_counter() - begin)
+        return picture[..., :3].copy()
+
+    def steps(
+        self,
+        camera: Camera,
+        size: tuple[int, int],
+        fabric: Fabric,
+        lighting: Lighting | None = None,
+        environment: Environment | None = None,
+        settings: TraceSettings | None = None,
+        env_rotate: float = 0.0,
+        offsets: list[tuple[float, float]] | None = None,
+        pixels: Callable[[], int] | None = None,
+    ) -> Iterator[float]:
+        """Trace one picture tile by tile into the buffer `picture`, for a caller with other things to do in between.
+
+        Parameters and errors as for `trace`; the result does not depend on the tiles.
+
+        pixels : called before each row of tiles: about how many pixels each of them shall have; default: TILE_PIXELS
+
+        Yields the share that is done. `picture` holds a vec4 a pixel, top row first: linear Rec. 709, already divided by
+        the number of samples, and how many samples have been added.
+        """
         settings, lighting = settings or TraceSettings(), lighting or Lighting()
         _require_transmission(fabric)
         width, height = size
@@ -225,12 +257,13 @@ class Tracer:
         begin = time.perf_counter()
         self._prepare(fabric, lighting, environment, env_rotate, camera, settings)
         self._reserve_picture(width * height)
-        jobs = [(tile, k) for tile in _tiles(width, height) for k in range(len(offsets))]
-        for tile, k in track(jobs, "trace: samples of tiles") if len(jobs) > 1 else jobs:
-            self._trace_tile(tile, size, camera, offsets[k], k, 1.0 / len(offsets), structure, settings)
-        picture = np.frombuffer(self._picture.read(16 * width * height), np.float32).reshape(height, width, 4)
-        self.statistics.total_ms = 1000 * (time.perf_counter() - begin)
-        return picture[..., :3].copy()
+        for k, offset in enumerate(offsets):
+            for tile in _tiles(width, height, pixels):
+                self._trace_tile(tile, size, camera, offset, k, 1.0 / len(offsets), structure, settings)
+                self.statistics.total_ms += 1000 * (time.perf_counter() - begin)
+                (_, y), (_, blocks) = tile
+                yield (k + min(y + 2 * blocks, height) / height) / len(offsets)
+                begin = time.perf_counter()
 
     def _prepare(self, fabric, lighting, environment, env_rotate, camera, settings) -> None:
         """Upload what changed and set the uniforms that hold for the whole picture."""
@@ -279,9 +312,9 @@ class Tracer:
         )
 
     def _reserve_picture(self, pixels: int) -> None:
-        if self._picture.size < 16 * pixels:
-            self._picture.orphan(16 * pixels)
-        self._picture.write(bytes(16 * pixels))
+        if self.picture.size < 16 * pixels:
+            self.picture.orphan(16 * pixels)
+        self.picture.write(bytes(16 * pixels))
 
     def _trace_tile(self, tile, size, camera, offset, sample, share, structure, settings) -> None:
         (x, y), blocks = tile
@@ -314,7 +347,7 @@ class Tracer:
             parent.radiance.buffer.bind_to_storage_buffer(3)
             self._run("gather", parent.count, **parent.runs)
         first.radiance.bind(8)
-        self._picture.bind_to_storage_buffer(0)
+        self.picture.bind_to_storage_buffer(0)
         self._run("picture", rays, share=share, **where)
         self.statistics.gather_ms += 1000 * (time.perf_counter() - begin)
 
@@ -394,7 +427,7 @@ class Tracer:
     def release(self) -> None:
         """Free the GPU's memory."""
         for thing in (
-            self.queries, self._hits, self._shadows, self._counts, self._picture, self._work, self._materials, self._fabric,
+            self.queries, self._hits, self._shadows, self._counts, self.picture, self._work, self._materials, self._fabric,
             *self._generations, *self._programs.values(), *self._structures.values(),
         ):  # fmt: skip
             thing.release()
@@ -427,15 +460,17 @@ def sample_offsets(spp: int) -> list[tuple[float, float]]:
     return [(float((0.5 + n / g) % 1.0 - 0.5), float((0.5 + n / g**2) % 1.0 - 0.5)) for n in range(spp)]
 
 
-def _tiles(width: int, height: int):
-    """((first pixel), (blocks of 4 x 2 pixels)) of bands of whole rows, or of parts of rows if one is too long."""
-    across = min(width, TILE_PIXELS // 2)
-    rows = max(2, TILE_PIXELS // across // 2 * 2)
-    return [
-        ((x, y), (-(-min(across, width - x) // 4), -(-min(rows, height - y) // 2)))
-        for y in range(0, height, rows)
-        for x in range(0, width, across)
-    ]
+def _tiles(width: int, height: int, pixels: Callable[[], int] | None = None):
+    """((first pixel), (blocks of 4 x 2 pixels)) of bands of whole rows, or of parts of two rows if those are too long."""
+    y = 0
+    while y < height:
+        count = TILE_PIXELS if pixels is None else pixels()
+        # Parts of rows begin and end between blocks, so that no pixel is in two of them.
+        across = min(width, max(4, count // 2 // 4 * 4))
+        rows = max(2, count // across // 2 * 2) if across == width else 2
+        for x in range(0, width, across):
+            yield (x, y), (-(-min(across, width - x) // 4), -(-min(rows, height - y) // 2))
+        y += rows
 
 
 def _centred(camera: Camera, size: tuple[int, int]) -> np.ndarray:

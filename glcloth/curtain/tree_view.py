@@ -44,6 +44,111 @@ def shown_nodes(tree: dict[str, np.ndarray], level: int | None) -> np.ndarray:
     return np.flatnonzero(tree["depth"] == level)
 
 
+class TreePicture:
+    """Draws structures into a texture of its own, again and again: `texture`, RGBA, linear, bottom row first."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self.texture: moderngl.Texture | None = None
+        self._program = shader.program(ctx, "passes/plain.vert", "passes/plain.frag")
+        self._vertices = ctx.buffer(reserve=24, dynamic=True)
+        self._array = ctx.vertex_array(self._program, [(self._vertices, "3f 3f", "position", "vertex_color")])
+        self._target: moderngl.Framebuffer | None = None
+        self._depth: moderngl.Renderbuffer | None = None
+
+    def draw(
+        self,
+        tree: dict[str, np.ndarray],
+        positions: np.ndarray,
+        colors: np.ndarray,
+        camera: Camera,
+        size: tuple[int, int],
+        lamp: tuple[float, float, float] | None = None,
+        level: int | None = None,
+        hidden: np.ndarray | None = None,
+    ) -> int:
+        """Draw a structure and the triangles that it holds.
+
+        Parameters
+        ----------
+        tree : `arrays()` of a structure that has boxes (kdtree or lbvh)
+        positions : [T, 3, 3]; colors : [T, 3] diffuse, linear
+        lamp : position of the lamp
+        level : draw the boxes of this level; None: of the leaves that hold triangles
+        hidden : [T] bool, triangles to leave out (walls that would hide the rest)
+
+        Returns how many boxes it drew. Raises InputError for a structure without boxes or a level that it does not have.
+        """
+        if "low" not in tree:
+            raise InputError("brute force has no tree to show; choose kdtree or lbvh")
+        nodes = shown_nodes(tree, level)
+        low, high = tree["low"][nodes].astype(float), tree["high"][nodes].astype(float)
+        bound_low, bound_high = positions.min((0, 1)).astype(float), positions.max((0, 1)).astype(float)
+        low, high = np.maximum(low, bound_low), np.minimum(high, bound_high)
+        lines = [(box_lines(low, high).reshape(-1, 3), GREEN)]
+        length = float(np.linalg.norm(bound_high - bound_low))
+        lines.append((np.array([[[0, 0, 0], axis] for axis in 0.5 * length * np.eye(3)]).reshape(-1, 3), GREY))
+        solids = []
+        if lamp is not None:
+            solids.append((_octahedron(np.array(lamp, float), 0.02 * length), YELLOW))
+        keep = np.ones(len(positions), bool) if hidden is None else ~np.asarray(hidden)
+        triangles = positions[keep].reshape(-1, 3)
+        tints = np.repeat(np.asarray(colors)[keep], 3, 0)
+        every = np.concatenate([positions.reshape(-1, 3), *(p for p, _ in lines + solids)])
+        near, far = camera.depth_range(every.min(0), every.max(0))
+        self._reserve(size)
+        self._program["clip_from_world"].write(camera.clip_from_world(size, near, far).T.astype("f4").tobytes())
+        self._target.use()
+        self.ctx.viewport = (0, 0, *size)
+        self._target.clear(*PAPER, 1.0)
+        self.ctx.enable_only(moderngl.DEPTH_TEST)
+        try:
+            self._put(triangles, tints, moderngl.TRIANGLES)
+            edges = triangles.reshape(-1, 3, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 3)
+            self._put(edges, BLACK, moderngl.LINES, 2e-5)
+            for points, tint in solids:
+                self._put(points, tint, moderngl.TRIANGLES)
+            for points, tint in lines:
+                self._put(points, tint, moderngl.LINES, 1e-5)
+        finally:
+            self.ctx.enable_only(moderngl.NOTHING)
+            # moderngl binds the last framebuffer back after making a new one; it must not be a deleted one.
+            self.ctx.detect_framebuffer(0).use()
+        return len(nodes)
+
+    def _put(self, points: np.ndarray, tint, mode: int, nearer: float = 0.0) -> None:
+        if not len(points):
+            return
+        data = np.empty((len(points), 6), np.float32)
+        data[:, :3], data[:, 3:] = points, tint
+        if self._vertices.size < data.nbytes:
+            self._vertices.orphan(2 * data.nbytes)
+        self._vertices.write(data)
+        self._program["nearer"].value = nearer
+        self._array.render(mode, vertices=len(points))
+
+    def _reserve(self, size: tuple[int, int]) -> None:
+        if self.texture is not None and self.texture.size == tuple(size):
+            return
+        self._free()
+        self.texture = self.ctx.texture(size, 4, dtype="f4")
+        self._depth = self.ctx.depth_renderbuffer(size)
+        self._target = self.ctx.framebuffer([self.texture], self._depth)
+
+    def _free(self) -> None:
+        self.ctx.detect_framebuffer(0).use()
+        for thing in (self._target, self._depth, self.texture):
+            if thing is not None:
+                thing.release()
+        self.texture = self._depth = self._target = None
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self._free()
+        for thing in (self._array, self._vertices, self._program):
+            thing.release()
+
+
 def draw_tree(
     ctx: moderngl.Context,
     tree: dict[str, np.ndarray],
@@ -55,75 +160,19 @@ def draw_tree(
     level: int | None = None,
     hidden: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Draw a structure and the triangles that it holds.
+    """Draw a structure and the triangles that it holds, once; parameters and errors as for TreePicture.draw.
 
-    Parameters
-    ----------
-    tree : `arrays()` of a structure that has boxes (kdtree or lbvh)
-    positions : [T, 3, 3]; colors : [T, 3] diffuse, linear
-    lamp : position of the lamp
-    level : draw the boxes of this level; None: of the leaves that hold triangles
-    hidden : [T] bool, triangles to leave out (walls that would hide the rest)
-
-    Returns float32 [H, W, 3], linear, top row first. Raises InputError for a structure without boxes or a level that it
-    does not have.
+    Returns float32 [H, W, 3], linear, top row first.
     """
-    if "low" not in tree:
-        raise InputError("brute force has no tree to show; choose kdtree or lbvh")
-    nodes = shown_nodes(tree, level)
-    low, high = tree["low"][nodes].astype(float), tree["high"][nodes].astype(float)
-    bound_low, bound_high = positions.min((0, 1)).astype(float), positions.max((0, 1)).astype(float)
-    low, high = np.maximum(low, bound_low), np.minimum(high, bound_high)
-    lines = [(box_lines(low, high).reshape(-1, 3), GREEN)]
-    length = float(np.linalg.norm(bound_high - bound_low))
-    lines.append((np.array([[[0, 0, 0], axis] for axis in 0.5 * length * np.eye(3)]).reshape(-1, 3), GREY))
-    solids = []
-    if lamp is not None:
-        solids.append((_octahedron(np.array(lamp, float), 0.02 * length), YELLOW))
-    keep = np.ones(len(positions), bool) if hidden is None else ~np.asarray(hidden)
-    triangles = positions[keep].reshape(-1, 3)
-    tints = np.repeat(np.asarray(colors)[keep], 3, 0)
-    every = np.concatenate([positions.reshape(-1, 3), *(p for p, _ in lines + solids)])
-    near, far = camera.depth_range(every.min(0), every.max(0))
-    drawn = (size[0] * OVERSAMPLING, size[1] * OVERSAMPLING)
-    program = shader.program(ctx, "passes/plain.vert", "passes/plain.frag")
-    program["clip_from_world"].write(camera.clip_from_world(drawn, near, far).T.astype("f4").tobytes())
-    color = ctx.texture(drawn, 4, dtype="f4")
-    depth = ctx.depth_renderbuffer(drawn)
-    target = ctx.framebuffer([color], depth)
-    things = [program, color, depth, target]
+    k = OVERSAMPLING
+    drawn = (size[0] * k, size[1] * k)
+    picture = TreePicture(ctx)
     try:
-        target.use()
-        ctx.viewport = (0, 0, *drawn)
-        target.clear(*PAPER, 1.0)
-        ctx.enable(moderngl.DEPTH_TEST)
-
-        def put(points, tint, mode, nearer=0.0):
-            data = np.empty((len(points), 6), np.float32)
-            data[:, :3], data[:, 3:] = points, tint
-            buffer = ctx.buffer(data.tobytes())
-            array = ctx.vertex_array(program, [(buffer, "3f 3f", "position", "vertex_color")])
-            program["nearer"].value = nearer
-            array.render(mode)
-            things.extend((array, buffer))
-
-        if len(triangles):
-            put(triangles, tints, moderngl.TRIANGLES)
-            put(triangles.reshape(-1, 3, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 3), BLACK, moderngl.LINES, 2e-5)
-        for points, tint in solids:
-            put(points, tint, moderngl.TRIANGLES)
-        for points, tint in lines:
-            if len(points):
-                put(points, tint, moderngl.LINES, 1e-5)
-        picture = np.frombuffer(color.read(), np.float32).reshape(drawn[1], drawn[0], 4)[::-1, :, :3]
-        k = OVERSAMPLING
-        return picture.reshape(size[1], k, size[0], k, 3).mean((1, 3)).astype(np.float32)
+        picture.draw(tree, positions, colors, camera, drawn, lamp, level, hidden)
+        pixels = np.frombuffer(picture.texture.read(), np.float32).reshape(drawn[1], drawn[0], 4)[::-1, :, :3]
+        return pixels.reshape(size[1], k, size[0], k, 3).mean((1, 3)).astype(np.float32)
     finally:
-        ctx.disable(moderngl.DEPTH_TEST)
-        # moderngl binds the last framebuffer back after making a new one; it must not be a deleted one.
-        ctx.detect_framebuffer(0).use()
-        for thing in reversed(things):
-            thing.release()
+        picture.release()
 
 
 def _octahedron(center: np.ndarray, radius: float) -> np.ndarray:
