@@ -50,6 +50,7 @@ class SceneOptions:
     ] = None
     light: Annotated[str | None, Parameter(help="sg or map: the fit, or the environment itself (reference).")] = None
     shadows: Annotated[str | None, Parameter(help="off, sun or full: what the cloth hides from itself.")] = None
+    bounce: Annotated[bool | None, Parameter(help="Light from fold to fold, once (with --shadows full).")] = None
     segments: Annotated[int | None, Parameter(help="Theta segments (method paper).")] = None
     cube: Annotated[int | None, Parameter(help="Edge of the cube map that is summed (method reference).")] = None
     contribution: Annotated[float | None, Parameter(help="Share of the singular values kept (method paper).")] = None

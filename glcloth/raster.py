@@ -91,6 +91,8 @@ class GBuffer:
         self.frame_x.use(FRAME_UNITS[1])
         if "ray_from_pixel" in program:
             program["ray_from_pixel"].write(self.ray_from_pixel.T.astype("f4").tobytes())
+        if "frame_p" in program:
+            self.bind_points(program)
 
     def bind_points(self, program) -> None:
         """Give a program that includes passes/gbuffer_point.glsl the point and the triangle that each pixel sees."""

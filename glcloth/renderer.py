@@ -135,6 +135,7 @@ class Renderer:
             scene.contribution,
             scene.grid,
             scene.shadows,
+            scene.bounce,
             environment,
             rotation,
         )
@@ -203,10 +204,15 @@ class Renderer:
         method = self.method(scene.method)
         self.shared.prepare(frame.fabric, frame.lights)
         method.prepare(frame.fabric, frame.lights, frame.settings)
-        program = self.program("passes/shade.frag", method)
-        buffer.clear_color()
         passes = list(method.passes())
         jobs = [(offset, uniforms) for offset in sample_offsets(scene.spp) for uniforms in passes]
+        if getattr(method, "traced", False):
+            placing = method.place(mesh, self.occluders(frame.mesh))
+            for job in track(placing, f"{scene.method}: light on the folds") if what else placing:
+                job()
+                yield 0, len(jobs)
+        program = self.program("passes/shade.frag", method)
+        buffer.clear_color()
         if scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1:
             self._shade_adaptively(buffer, mesh, method, program, frame)
             yield 1, 1
@@ -306,9 +312,9 @@ class Renderer:
     def program(self, pass_path: str, method):
         """The program of a pass with a method, compiled at first use. Raises ShaderError."""
         defines = method.defines()
-        key = (pass_path, method.source, tuple(sorted(defines.items())))
+        virtual = {"method.glsl": method.source} | (method.includes() if hasattr(method, "includes") else {})
+        key = (pass_path, tuple(sorted(virtual.items())), tuple(sorted(defines.items())))
         if key not in self._programs:
-            virtual = {"method.glsl": method.source}
             if pass_path.endswith(".comp"):
                 self._programs[key] = shader.compute(self.ctx, pass_path, defines, virtual)
             else:

@@ -44,6 +44,7 @@ class Scene(BaseModel):
     adaptive: bool = False
     light: Literal["sg", "map"] = "sg"
     shadows: Literal["off", "sun", "full"] = "off"
+    bounce: bool = True
     segments: Annotated[int, Field(ge=2, le=64)] = 6
     cube: Annotated[int, Field(ge=4, le=128)] = 32
     contribution: Annotated[float, Field(ge=0.5, le=0.9999)] = 0.9

@@ -26,7 +26,8 @@ class Settings:
     light : "sg" the fitted lights, "map" the environment itself (method reference only)
     cube : edge of the cube map whose directions the reference sums
     contribution, grid : of the paper method's tables
-    shadows : "sun" hard ones of the suns, "full" those of the Gaussians too, and light from fold to fold
+    shadows : "sun" hard ones of the suns, "full" those of the Gaussians too
+    bounce : with shadows "full", light that goes from cloth to cloth once, as from a diffuse surface
     environment, rotation : the map, and its rotation matrix [3, 3] (new direction = rotation @ direction), for light "map"
     """
 
@@ -37,5 +38,6 @@ class Settings:
     contribution: float = 0.9
     grid: int = 48
     shadows: Shadows = "off"
+    bounce: bool = True
     environment: Environment | None = None
     rotation: np.ndarray | None = None

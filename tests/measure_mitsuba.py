@@ -1,0 +1,137 @@
+"""The reference with shadows against Mitsuba 3: the same cloth, camera and lights, a Lambertian in place of the fabric.
+
+python tests/measure_mitsuba.py [ENVIRONMENT...] [--mesh drape] [--size 120x90] [--cube 32] [--samples 8] [--spp 4096]
+
+Needs the optional extra `check` (`pip install 'glcloth[check]'`: Mitsuba 3). Mitsuba gets the mesh as a file, its own
+camera, the sum of the Gaussians as an environment map, the suns as directional emitters, and its path tracer. Two rows
+per environment: direct light, and direct light with one bounce. Printed, of the pixels that see cloth, in % of the mean
+of Mitsuba's picture: the mean of |difference| of luminance, the difference of the means, the noise that Mitsuba's
+picture still has (from its two halves), and the 95th percentile of |difference|; and FLIP. Strips ours | Mitsuba |
+difference x 8 are written.
+"""
+
+import argparse
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from lambertian import LambertianReference
+
+import glcloth
+from glcloth.color import luminance
+from glcloth.environment import direction_from_uv
+from glcloth.mesh import load_mesh, save_mesh
+from glcloth.metrics import difference, flip
+from glcloth.progress import track
+
+ALBEDO = (0.6, 0.5, 0.3)
+MAP_HEIGHT = 512
+SPP_AT_ONCE = 256
+
+
+def lights_as_map(gaussians):
+    """The sum of the spherical Gaussians as an equirectangular map."""
+    rows, columns = np.arange(MAP_HEIGHT) + 0.5, np.arange(2 * MAP_HEIGHT) + 0.5
+    v, u = np.meshgrid(rows / MAP_HEIGHT, columns / (2 * MAP_HEIGHT), indexing="ij")
+    return gaussians.radiance(direction_from_uv(u, v)).astype(np.float32)
+
+
+def mitsuba_scene(mi, mesh_file, camera, size, lights):
+    """The scene of Mitsuba."""
+    scene = {
+        "type": "scene",
+        "cloth": {
+            "type": "ply",
+            "filename": str(mesh_file),
+            "bsdf": {
+                "type": "twosided",
+                "nested": {"type": "diffuse", "reflectance": {"type": "rgb", "value": list(ALBEDO)}},
+            },
+        },
+        "environment": {"type": "envmap", "bitmap": mi.Bitmap(lights_as_map(lights.gaussians))},
+        "sensor": {
+            "type": "perspective",
+            "fov": camera.fov_deg,
+            "fov_axis": "y",
+            "to_world": mi.ScalarTransform4f().look_at(
+                origin=list(camera.eye), target=list(camera.target), up=list(camera.up)
+            ),
+            "film": {"type": "hdrfilm", "width": size[0], "height": size[1], "rfilter": {"type": "box"}},
+        },
+    }
+    for number, (direction, irradiance) in enumerate(zip(lights.suns.direction, lights.suns.irradiance, strict=True)):
+        scene[f"sun_{number}"] = {
+            "type": "directional",
+            "direction": (-direction).tolist(),
+            "irradiance": {"type": "rgb", "value": irradiance.tolist()},
+        }
+    return mi.load_dict(scene)
+
+
+def mitsuba_picture(mi, scene, max_depth, spp, what):
+    """The two halves of Mitsuba's picture [2, H, W, 3], each of spp / 2 samples a pixel."""
+    integrator = mi.load_dict({"type": "path", "max_depth": max_depth, "rr_depth": 1000, "hide_emitters": True})
+    rounds = 2 * max(1, round(spp / (2 * SPP_AT_ONCE)))
+    pictures = [
+        np.array(mi.render(scene, integrator=integrator, spp=min(SPP_AT_ONCE, spp), seed=number))[..., :3]
+        for number in track(range(rounds), what)
+    ]
+    return np.stack([np.mean(pictures[half::2], axis=0) for half in (0, 1)])
+
+
+def row(name, ours, halves, covered):
+    """One line of the table."""
+    theirs = halves.mean(0)
+    a, b = luminance(ours[covered].astype(float)), luminance(theirs[covered])
+    noise = np.abs(luminance(halves[0][covered]) - luminance(halves[1][covered])).mean() / 2
+    apart = np.abs(a - b)
+    values = np.array([apart.mean(), a.mean() - b.mean(), noise, np.percentile(apart, 95)])
+    line = "".join(f"{v:9.2f}" for v in 100 * values / b.mean())
+    print(f"{name:40}{line}{flip(ours, theirs.astype(np.float32)):9.4f}", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("environments", nargs="*", default=["studio", "sky"])
+    parser.add_argument("--mesh", default="drape")
+    parser.add_argument("--size", default="120x90")
+    parser.add_argument("--cube", type=int, default=32)
+    parser.add_argument("--samples", type=int, default=8, help="of ours a pixel")
+    parser.add_argument("--spp", type=int, default=4096, help="samples of Mitsuba's a pixel")
+    parser.add_argument("--out", type=Path, default=Path("out/mitsuba"))
+    options = parser.parse_args()
+    try:
+        import mitsuba as mi
+
+        mi.set_variant("scalar_rgb")
+    except ImportError as error:
+        sys.exit(f"measure_mitsuba: skipped, Mitsuba 3 is not usable here ({error}); pip install 'glcloth[check]'")
+    options.out.mkdir(parents=True, exist_ok=True)
+    mesh = load_mesh(options.mesh)
+    print(f"{'environment, light':40}   mean %   bias %  noise %   95 %     FLIP")
+    with glcloth.Renderer() as renderer, tempfile.TemporaryDirectory() as folder:
+        renderer._methods["reference"] = LambertianReference(renderer.ctx, ALBEDO)
+        mesh_file = Path(folder) / "mesh.ply"
+        save_mesh(mesh_file, mesh)
+        for environment in options.environments:
+            base = dict(env=environment, size=options.size, background=False, method="reference", cube=options.cube)
+            base["spp"] = options.samples
+            for light, max_depth, changes in (
+                ("direct", 2, {"shadows": "full"}),
+                ("direct and one bounce", 3, {"shadows": "full", "bounce": True}),
+            ):
+                frame = renderer.prepare(mesh=mesh, **base, **changes)
+                picture = renderer.render_frame(frame)
+                ours, covered = picture[..., :3], picture[..., 3] > 0.999
+                scene = mitsuba_scene(mi, mesh_file, frame.camera, frame.scene.size, frame.lights)
+                what = f"Mitsuba, {light}: samples"
+                halves = mitsuba_picture(mi, scene, max_depth, options.spp, what)
+                row(f"{Path(environment).name}, {light}", ours, halves, covered)
+                theirs = halves.mean(0).astype(np.float32) * covered[..., None]
+                strip = np.hstack([ours, theirs, difference(ours, theirs, 8)])
+                glcloth.write_image(options.out / f"{Path(environment).stem}-{max_depth - 2}.png", strip)
+
+
+if __name__ == "__main__":
+    main()
