@@ -49,6 +49,7 @@ class GBuffer:
         self.frames = ctx.framebuffer([self.frame_N, self.frame_x, self.frame_p, self.frame_b], self.depth)
         self.target = ctx.framebuffer([self.color], self.depth)
         self.program = program or shader.program(ctx, "passes/surface.vert", "passes/surface.frag")
+        self.seen: moderngl.TextureArray | None = None  # what each pixel sees of the lights, if a method asks
         self.ray_from_pixel = np.eye(3)
         self._drawn: tuple | None = None
 
@@ -98,6 +99,20 @@ class GBuffer:
         """Give a program that includes passes/gbuffer_point.glsl the point and the triangle that each pixel sees."""
         self.frame_p.use(POINT_UNITS[0])
         self.frame_b.use(POINT_UNITS[1])
+
+    @property
+    def drawn(self) -> tuple | None:
+        """What the frames hold: the mesh's buffers, the camera and the place in the pixel."""
+        return self._drawn
+
+    def reserve_seen(self, layers: int) -> moderngl.TextureArray:
+        """`seen` with at least so many layers of one byte a pixel; the content is lost when it grows."""
+        if self.seen is None or self.seen.layers < layers:
+            if self.seen is not None:
+                self.seen.release()
+            self.seen = self.ctx.texture_array((*self.size, layers), 1, dtype="f1")
+            self.seen.filter = moderngl.NEAREST, moderngl.NEAREST
+        return self.seen
 
     def shade(self, program, add: bool = False, rows: tuple[int, int] | None = None) -> None:
         """Run a program of passes/screen.vert for every covered pixel; `add` its colour instead of setting it.
@@ -163,3 +178,5 @@ class GBuffer:
             self.depth,
         ):
             thing.release()
+        if self.seen is not None:
+            self.seen.release()

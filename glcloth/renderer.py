@@ -18,8 +18,11 @@ from .cloth.adaptive import AdaptiveRate
 from .cloth.brute import Reference
 from .cloth.direct import Direct
 from .cloth.paper import Paper
+from .cloth.probes import subdivided
 from .cloth.scene_buffers import SceneBuffers
 from .cloth.settings import MethodName, Quality, Settings
+from .cloth.settings import Shadows as ShadowMode
+from .cloth.shadows import SEEN_ALL, SEEN_PIXELS, Shadows
 from .context import create_context
 from .environment import Environment, load_environment, rotation_y
 from .errors import InputError
@@ -33,7 +36,7 @@ from .scene import Scene, load_scene
 
 METHODS = {"direct": Direct, "paper": Paper, "reference": Reference}
 BACKGROUND_UNIT = 5
-OCCLUDER_STRUCTURE = "kdtree"  # a fifth faster than lbvh for the any-hit rays of the built-in cloth
+OCCLUDER_STRUCTURE = "lbvh"  # any-hit rays of the built-in cloth: as fast as the kd-tree; built five times as fast
 KEPT_SIZES = 3  # G-buffers that stay when the size of the picture changes
 
 
@@ -83,6 +86,8 @@ class Renderer:
         self._methods: dict[str, object] = {}
         self._programs: dict[tuple, object] = {}
         self._meshes: dict[int, MeshBuffers] = {}
+        self._shadows: Shadows | None = None
+        self._finer: tuple[Mesh, Mesh] | None = None  # a mesh, and what it is drawn as with shadows
         self._occluders: tuple | None = None  # mesh, triangles, structure
         self._fit: tuple | None = None  # environment, lobes, lights
         self._files: dict = {}
@@ -185,7 +190,11 @@ class Renderer:
             pass
 
     def steps(
-        self, frame: Frame, rows: Callable[[], int] | None = None, what: str | None = None
+        self,
+        frame: Frame,
+        rows: Callable[[], int] | None = None,
+        what: str | None = None,
+        hurry: bool = False,
     ) -> Iterator[tuple[int, int]]:
         """Draw a frame in steps, for a caller with other things to do in between; together they do what `draw` does,
         bit for bit. Nothing else may be drawn with this renderer before the last step or the iterator's end.
@@ -194,16 +203,24 @@ class Renderer:
         ----------
         rows : called before each step: how many rows of the picture it may shade; None: all
         what : what a progress bar says, None: no bar
+        hurry : make do with what is known of the shadows so far; `look` makes it complete
 
         Yields (passes finished, passes in all) after each step; the background follows the last one.
         """
         check_stopped()
         scene = frame.scene
         buffer = self._target(scene.size)
-        mesh = self._mesh(frame.mesh)
         method = self.method(scene.method)
         self.shared.prepare(frame.fabric, frame.lights)
         method.prepare(frame.fabric, frame.lights, frame.settings)
+        shadows = self._prepare_shadows(frame)
+        if shadows is not None:
+            if hurry:
+                shadows.hurry()
+            else:
+                for _ in track(self.look(frame), "shadows: directions", shadows.total()) if what else self.look(frame):
+                    pass
+        mesh = self._mesh(self._drawn_mesh(frame))
         passes = list(method.passes())
         jobs = [(offset, uniforms) for offset in sample_offsets(scene.spp) for uniforms in passes]
         if getattr(method, "traced", False):
@@ -211,21 +228,25 @@ class Renderer:
             for job in track(placing, f"{scene.method}: light on the folds") if what else placing:
                 job()
                 yield 0, len(jobs)
-        program = self.program("passes/shade.frag", method)
+        program = self.program("passes/shade.frag", method, shadows is not None)
         buffer.clear_color()
         if scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1:
-            self._shade_adaptively(buffer, mesh, method, program, frame)
+            self._shade_adaptively(buffer, mesh, method, program, frame, shadows)
             yield 1, 1
             jobs = []
         drawn = None
         for done, (offset, uniforms) in enumerate(track(jobs, what) if what and len(jobs) > 1 else jobs):
             if offset != drawn:
                 buffer.draw(mesh, frame.camera, offset)
+                if shadows is not None:
+                    shadows.look(buffer, method)
                 drawn = offset
             first = 0
             while first < scene.size[1]:
                 count = scene.size[1] if rows is None else max(1, min(rows(), scene.size[1] - first))
                 self.shared.bind(program)
+                if shadows is not None:
+                    shadows.bind(program, frame.fabric, self.shared)
                 method.bind(program)
                 shader.set_uniforms(
                     program, pass_weight=1.0 / scene.spp, pass_cover=1.0 / (scene.spp * len(passes)), **uniforms
@@ -238,14 +259,52 @@ class Renderer:
         if scene.background:
             self.draw_background(frame)
 
-    def _shade_adaptively(self, buffer: GBuffer, mesh: MeshBuffers, method, program, frame: Frame) -> None:
+    def look(self, frame: Frame) -> Iterator[int]:
+        """Trace what a frame's shadows lack, in steps; nothing where they are complete or off."""
+        shadows = self._prepare_shadows(frame)
+        if shadows is not None:
+            yield from shadows.steps()
+
+    def _shadow_mode(self, frame: Frame) -> ShadowMode:
+        scene = frame.scene
+        # The reference method traces its own.
+        if scene.method == "reference" or (scene.shadows == "sun" and not len(frame.lights.suns)):
+            return "off"
+        return scene.shadows
+
+    def _prepare_shadows(self, frame: Frame) -> Shadows | None:
+        """The shadows of a frame; None where it has none."""
+        mode = self._shadow_mode(frame)
+        if mode == "off":
+            return None
+        if self._shadows is None:
+            self._shadows = Shadows(self.ctx)
+        structure = self.occluders(frame.mesh)
+        self._shadows.prepare(mode, self._drawn_mesh(frame), frame.mesh, structure, frame.lights)
+        return self._shadows
+
+    def _drawn_mesh(self, frame: Frame) -> Mesh:
+        """The mesh of a frame, with more vertices where its shadows need them."""
+        if self._shadow_mode(frame) != "full":
+            return frame.mesh
+        if self._finer is None or self._finer[0] is not frame.mesh:
+            self._finer = frame.mesh, subdivided(frame.mesh)
+        return self._finer[1]
+
+    def _shade_adaptively(
+        self, buffer: GBuffer, mesh: MeshBuffers, method, program, frame: Frame, shadows: Shadows | None
+    ) -> None:
         """One pixel in four, and the others where their neighbours differ; `high` and spp > 1 shade every pixel."""
         if self._adaptive is None:
             self._adaptive = AdaptiveRate(self.ctx)
         buffer.draw(mesh, frame.camera)
-        list_program = self.program("passes/shade_list.comp", method)
+        if shadows is not None:
+            shadows.look(buffer, method)
+        list_program = self.program("passes/shade_list.comp", method, shadows is not None)
         for one in (program, list_program):
             self.shared.bind(one)
+            if shadows is not None:
+                shadows.bind(one, frame.fabric, self.shared)
             method.bind(one)
         shader.set_uniforms(program, pass_weight=1.0, pass_cover=1.0)
         narrowest = min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in frame.fabric.yarn)
@@ -309,10 +368,12 @@ class Renderer:
             self._methods[name] = METHODS[name](self.ctx)
         return self._methods[name]
 
-    def program(self, pass_path: str, method):
-        """The program of a pass with a method, compiled at first use. Raises ShaderError."""
+    def program(self, pass_path: str, method, shadows: bool = False):
+        """The program of a pass with a method, with shadows or without, compiled at first use. Raises ShaderError."""
         defines = method.defines()
-        virtual = {"method.glsl": method.source} | (method.includes() if hasattr(method, "includes") else {})
+        seen = SEEN_PIXELS if shadows else SEEN_ALL
+        virtual = {"method.glsl": method.source, "seen.glsl": seen}
+        virtual |= method.includes() if hasattr(method, "includes") else {}
         key = (pass_path, tuple(sorted(virtual.items())), tuple(sorted(defines.items())))
         if key not in self._programs:
             if pass_path.endswith(".comp"):

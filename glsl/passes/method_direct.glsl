@@ -7,6 +7,7 @@
 #include "direct/pool.glsl"
 #include "direct/slots.glsl"
 #include "trace/octahedron.glsl"
+#include "seen.glsl"
 
 const int NODE_COLUMNS = 64;   // glcloth/cloth/gaussian_nodes.py says the same
 const int LOBE_COLUMNS = 64;   // glcloth/cloth/lobe_nodes.py says the same
@@ -15,7 +16,7 @@ const float MAP_SIZE = 160.0;   // glcloth/cloth/direct.py says the same
 const int MAX_PHI_PAIRS = 8;    // glcloth/cloth/direct.py says the same
 
 layout(binding = 8) uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean
-layout(binding = 9) uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule
+layout(binding = 9) uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule, or sun
 layout(binding = 10) uniform samplerBuffer lobe_data;  // per pooled tangent: two texels, then rows of LOBE_COLUMNS
 layout(binding = 11) uniform sampler2D pooled_light;   // radiance of the pooled Gaussians, world, octahedral
 layout(binding = 12) uniform sampler2D sky_light;      // radiance of the broadest Gaussians, likewise
@@ -153,14 +154,14 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
     // A do loop: llvmpipe runs the body of a while loop once more than it is wanted.
     do {
         int at = k * ENTRY_TEXELS;
-        vec4 head = texelFetch(entry_data, at);       // xi in world space; first row of its rule
+        vec4 head = texelFetch(entry_data, at);       // xi in world space; layer of its V, first row of its rule, rows
         vec4 light = texelFetch(entry_data, at + 1);  // radiance of the axis; width of its columns
         vec4 extra = texelFetch(entry_data, at + 2);
         entry_kept = extra;
         entry_sharp = texelFetch(entry_data, at + 3);
         entry_height = texelFetch(entry_data, at + 4);
         int rows = floatBitsToInt(head.w);
-        int node = rows >> 8, last = node + (rows & 255);
+        int node = rows >> 8 & 0xffff, last = node + (rows & 255);
         vec3 xi = surface_from_world * head.xyz;
         vec2 e = azimuth(xi);
         float place = column_of(atan(length(xi.xy), xi.z), light.w) * float(NODE_COLUMNS - 1);
@@ -181,7 +182,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
 #define LIGHT(g) light_group(g, omega_i, weight)
             EACH_GROUP(LIGHT)
         } while (++node < last);
-        L += light.rgb * exp(mean.w) * sum_tangents();
+        L += light.rgb * (exp(mean.w) * V_layer(rows >> 24)) * sum_tangents();
     } while (++k < entry_count);
     return L;
 }
@@ -213,7 +214,8 @@ vec3 L_sky(float cos_o, mat3 surface_from_world) {
 #define LIGHT_SKY(g) light_group(g, rule.xyz, weight)
         EACH_GROUP(CLEAR)
         EACH_GROUP(LIGHT_SKY)
-        L += map_radiance(sky_light, rule.xyz * surface_from_world) * sum_tangents();
+        vec3 omega = rule.xyz * surface_from_world;
+        L += map_radiance(sky_light, omega) * V_broad(omega) * sum_tangents();
     } while (++node < sky_nodes.y);
     return L;
 }
@@ -289,8 +291,10 @@ vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
                 vec2 R = rule.y / cp * P_t * M.xy / vec2(Q_1, Q);
                 vec2 r_s = front * lobe.y * R * F_r.xy * cos_half_phi_d.xy;
                 vec2 r_v = front_v * lobe.z * R * (1.0 - F_r.xy) * (1.0 - F_r.xy);
-                vec3 E_1 = map_radiance(pooled_light, omega_1 * surface_from_world);
-                vec3 E_2 = map_radiance(pooled_light, omega_2 * surface_from_world);
+                omega_1 = omega_1 * surface_from_world;
+                omega_2 = omega_2 * surface_from_world;
+                vec3 E_1 = map_radiance(pooled_light, omega_1) * V_broad(omega_1);
+                vec3 E_2 = map_radiance(pooled_light, omega_2) * V_broad(omega_2);
                 sum_s += E_1 * r_s.x + E_2 * r_s.y;
                 sum_v += E_1 * r_v.x + E_2 * r_v.y;
             } while (++pair < pool_counts.z);

@@ -148,7 +148,7 @@ vec3 L_tangent(int t, int j, Yarn yarn, vec3 omega_o, mat3 surface_from_world) {
         // Truncated factors may dip below zero where T is zero.
         float T = max(fetch_T_W(int(placement.x), at_xi, at_o, level), 0.0);
         vec2 I = I_terms(k, light.sharpness, o, yarn);
-        sum += T * (I.x + yarn.A * I.y) * light.L;
+        sum += V_gaussian(n) * T * (I.x + yarn.A * I.y) * light.L;
         ++n;
     } while (n < lobe_range.y);
     return tangent.weight * sum;

@@ -1,6 +1,7 @@
 #version 430
 // Shades the pixels of a list with the method that is included as "method.glsl".
 #include "method.glsl"
+#include "seen.glsl"
 #include "passes/gbuffer.glsl"
 
 layout(local_size_x = 64) in;
@@ -18,6 +19,7 @@ void main() {
     ivec2 pixel = ivec2(packed_pixel & 0xffffu, packed_pixel >> 16);
     mat3 surface_from_world = surface_from_world_at(pixel);
     vec3 omega_o = surface_from_world * omega_o_at(vec2(pixel) + 0.5);
+    look_from(pixel);
     vec3 L = L_o(vec3(omega_o.xy, max(omega_o.z, 1e-4)), surface_from_world);
-    imageStore(color, pixel, vec4(L, 1.0));
+    imageStore(color, pixel, vec4(with_bounce(L), 1.0));
 }

@@ -25,6 +25,11 @@ def near(rng, count):
 
 DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}
 SPECIAL = {
+    ("from_cube", "plus"): lambda rng, count: rng.random((count, 3)),
+    ("from_cube", "minus"): lambda rng, count: rng.random((count, 3)),
+    ("bounced", "L"): lambda rng, count: 10 * rng.random((count, 3)),
+    ("bounced", "rho"): lambda rng, count: rng.random((count, 3)),
+    ("bounced", "V_0"): between(0.0, 1.0),
     ("safe_inverse", "d"): directions_and_axes,
     ("slab", "o"): vectors(3.0),
     ("slab", "inv_d"): lambda rng, count: 1 / np.where(np.abs(d := directions(rng, count)) < 1e-3, 1e-3, d),

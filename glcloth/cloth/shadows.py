@@ -1,0 +1,159 @@
+"""What the pixels of a G-buffer see of the lights, for the passes that shade them.   [own, docs/shadows.md]"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import moderngl
+import numpy as np
+
+from .. import shader
+from ..fabric import Fabric
+from ..gpu import TextureBuffer
+from ..lights import Lights
+from ..mesh import Mesh
+from ..raster import GBuffer
+from .scene_buffers import SceneBuffers
+from .settings import Shadows as Mode
+from .visibility import BROAD_LAYERS, FEWEST, VertexVisibility
+
+SEEN_UNIT = 2
+SEEN_ALL, SEEN_PIXELS = "passes/seen_all.glsl", "passes/seen_pixels.glsl"
+TILE = 8
+FURNACE_VIEWS, FURNACE_LIGHTS = 64, 256
+
+
+class Shadows:
+    """Keeps what the vertices of one mesh see, and brings it to the pixels, and the rays of the suns with it."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self.vertices = VertexVisibility(ctx)
+        self._programs: dict[str, object] = {}
+        self._sun_data = TextureBuffer(ctx, 16)
+        self._mesh: Mesh | None = None
+        self._structure = self._lights = None
+        self._mode: Mode = "off"
+        self._filled: dict[GBuffer, tuple] = {}
+        self._furnace: tuple | None = None  # fabric, rho
+        self._points: tuple | None = None
+
+    # -- what is seen ------------------------------------------------------------------------------------------------
+
+    def prepare(self, mode: Mode, mesh: Mesh, original: Mesh, structure, lights: Lights) -> None:
+        """Choose what hides what. `mesh` is the one that is drawn, `original` what it was subdivided from, `structure`
+        what hides light."""
+        self._mode, self._structure, self._lights = mode, structure, lights
+        if mode == "full" and self._mesh is not mesh:
+            self.vertices.start(mesh, structure, original)
+            self._mesh = mesh
+
+    def steps(self, count: int = 32) -> Iterator[int]:
+        """Trace what the vertices still lack, so many directions at a time."""
+        if self._mode == "full":
+            yield from self.vertices.steps(self._lights, count)
+
+    def total(self) -> int:
+        """How many steps of 32 directions there are in all, about."""
+        return -(-self.vertices.total(self._lights) // 32)
+
+    def hurry(self) -> None:
+        """Trace only as much as a first impression needs."""
+        if self._mode == "full":
+            while self.vertices.done < FEWEST:
+                self.vertices.step(FEWEST)
+
+    def look(self, buffer: GBuffer, method) -> None:
+        """Fill the layers of what the pixels of a G-buffer see, as it is drawn now; nothing when they hold just that."""
+        lights = self._lights
+        full = self._mode == "full"
+        self._broad_layer = 1 + len(lights.gaussians)
+        self._sun_layer = self._broad_layer + BROAD_LAYERS
+        if full:
+            self.vertices.integrate(lights, getattr(method, "broad", np.zeros(len(lights.gaussians))))
+        seen = buffer.reserve_seen(self._sun_layer + len(lights.suns))
+        self._seen = seen
+        state = buffer.drawn, self._mode, self._structure, lights, seen, self.vertices.version if full else 0
+        before = self._filled.get(buffer)
+        if before is not None and all(a is b or a == b for a, b in zip(before, state, strict=True)):
+            return
+        self._filled = {key: value for key, value in self._filled.items() if key.seen is not None} | {buffer: state}
+        mesh = buffer.drawn[0]
+        buffer.bind_points(None)
+        seen.bind_to_image(0, read=False, write=True)
+        program = self._program("visibility_pixels")
+        buffer.bind(program)
+        if full:
+            self.vertices.means.bind(9)
+        mesh.indices.bind(10)
+        self._run(program, buffer, group_count=self.vertices.groups, layer_count=self._sun_layer, everything=not full)
+        suns = lights.suns
+        if len(suns):
+            directions = np.zeros((len(suns), 4), "f4")
+            directions[:, :3] = suns.direction
+            self._sun_data.write(directions)
+            program = self._program("visibility_suns", {"accel.glsl": self._structure.source})
+            self._structure.bind(program)
+            self._sun_data.bind(10)
+            buffer.bind(program)
+            buffer.bind_points(program)
+            self._run(program, buffer, sun_count=len(suns), first_layer=self._sun_layer)
+        self.ctx.memory_barrier()
+
+    def bind(self, program, fabric: Fabric, shared: SceneBuffers) -> None:
+        """Bind what passes/seen_pixels.glsl reads of the G-buffer that was looked at last."""
+        rho = self.albedo(fabric, shared) if self._mode == "full" else np.zeros(3)
+        self._seen.use(SEEN_UNIT)
+        shader.set_uniforms(
+            program, broad_layer=self._broad_layer, sun_layer=self._sun_layer, rho=tuple(map(float, rho))
+        )
+
+    # -- how much a fabric reflects ----------------------------------------------------------------------------------
+
+    def albedo(self, fabric: Fabric, shared: SceneBuffers) -> np.ndarray:
+        """rho [3]: what a fabric reflects of light that comes evenly from everywhere, in the mean over all views by their
+        cosine; `shared` holds the fabric. From 64 x 256 directions, kept until the fabric changes."""
+        if self._furnace is None or self._furnace[0] is not fabric:
+            program = self._program("furnace")
+            if self._points is None:
+                data = np.zeros((FURNACE_VIEWS + FURNACE_LIGHTS, 4), "f4")
+                data[:FURNACE_VIEWS, :3] = _cosine_directions(FURNACE_VIEWS)
+                data[FURNACE_VIEWS:, :3] = _even_directions(FURNACE_LIGHTS)
+                result = self.ctx.buffer(reserve=16 * FURNACE_VIEWS)
+                self._points = TextureBuffer(self.ctx, data), result
+            shared.bind(program)
+            self._points[0].bind(9)
+            self._points[1].bind_to_storage_buffer(0)
+            shader.set_uniforms(program, view_count=FURNACE_VIEWS, light_count=FURNACE_LIGHTS)
+            program.run(-(-FURNACE_VIEWS // 64))
+            self.ctx.memory_barrier()
+            radiance = np.frombuffer(self._points[1].read(), "f4").reshape(-1, 4)[:, :3]
+            self._furnace = fabric, np.clip(radiance.mean(0), 0.0, 1.0)
+        return self._furnace[1]
+
+    # -- the machinery -----------------------------------------------------------------------------------------------
+
+    def _program(self, name: str, virtual: dict | None = None):
+        if name not in self._programs:
+            virtual = {"count.glsl": "passes/count_none.glsl", **(virtual or {})}
+            self._programs[name] = shader.compute(self.ctx, f"passes/{name}.comp", None, virtual)
+        return self._programs[name]
+
+    def _run(self, program, buffer: GBuffer, **uniforms) -> None:
+        shader.set_uniforms(program, **uniforms)
+        program.run(-(-buffer.size[0] // TILE), -(-buffer.size[1] // TILE))
+
+
+def _even_directions(count: int) -> np.ndarray:
+    """Directions [count, 3] over the upper hemisphere, even in solid angle."""
+    n = np.arange(count) + 0.5
+    z, phi = 1.0 - n / count, np.pi * (3.0 - np.sqrt(5.0)) * n
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+
+
+def _cosine_directions(count: int) -> np.ndarray:
+    """Directions [count, 3] over the upper hemisphere, even in cosine-weighted solid angle."""
+    n = np.arange(count) + 0.5
+    r, phi = np.sqrt(n / count), np.pi * (3.0 - np.sqrt(5.0)) * n
+    return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1.0 - r * r)], -1)

@@ -1,0 +1,94 @@
+"""What probes on a sheet see of its surroundings, as fixed directions of the world: the slow float64 twin of the passes
+glsl/passes/visibility_*.comp."""
+
+import numpy as np
+
+
+def reversed_bits(i, bits):
+    """The number whose `bits` binary digits are those of i in reverse (van der Corput in base 2).   [own]"""
+    i = np.asarray(i)
+    return sum(((i >> n) & 1) << (bits - 1 - n) for n in range(bits))
+
+
+def world_directions(count):
+    """Directions [count, 3] of a Fibonacci spiral in an order of which every beginning is spread evenly; count = 2^m.
+
+    Swinbank and Purser 2006, "Fibonacci grids: a novel approach to global modelling".
+    """
+    i = reversed_bits(np.arange(count), int(count).bit_length() - 1)
+    z = 1.0 - (2.0 * i + 1.0) / count
+    phi = np.pi * (3.0 - np.sqrt(5.0)) * (i + 0.5)
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+
+
+def flat_weight(cos_theta):
+    """How much a direction counts by its cosine: cloth's f cos(theta) is nearly flat in it, and stops at the horizon.   [own]"""
+    return np.clip(8.0 * np.asarray(cos_theta, float), 0.0, 1.0)
+
+
+LEAST = 1e-4  # what a Gaussian's tail below counts as nothing
+
+
+def gaussian_table(directions, axis, sharpness):
+    """G [N, 1 + K] at N directions: 1, then exp(kappa (omega . xi - 1)) with kappa at most N / 4: a narrower Gaussian
+    would fall between the directions; 0 where below LEAST.   [own]"""
+    directions = np.asarray(directions, float)
+    kappa = np.minimum(np.asarray(sharpness, float), len(directions) / 4.0)
+    G = np.exp(kappa * (directions @ np.asarray(axis, float).reshape(-1, 3).T - 1.0))
+    return np.concatenate([np.ones((len(directions), 1)), np.where(G < LEAST, 0.0, G)], 1)
+
+
+def cube_shares(omega):
+    """How much [..., 6] a direction belongs to +x, +y, +z, -x, -y, -z: the squares of its components; they sum to 1.
+
+    McTaggart 2004, "Half-Life 2 / Valve Source shading" (the ambient cube).
+    """
+    omega = np.asarray(omega, float)
+    return np.concatenate([np.maximum(omega, 0.0) ** 2, np.maximum(-omega, 0.0) ** 2], -1)
+
+
+def own_directions(axis, sharpness, count):
+    """Directions [count, 3] of which each stands for an equal share of a spherical Gaussian.   [own]"""
+    n = np.arange(count) + 0.5
+    kappa = max(float(sharpness), 1e-6)
+    z = 1.0 + np.log1p(-(n / count) * -np.expm1(-2.0 * kappa)) / kappa
+    phi = np.pi * (3.0 - np.sqrt(5.0)) * n
+    r = np.sqrt(np.maximum(1.0 - z * z, 0.0))
+    axis = np.asarray(axis, float)
+    u = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
+    u /= np.linalg.norm(u)
+    return r[:, None] * (np.cos(phi)[:, None] * u + np.sin(phi)[:, None] * np.cross(axis, u)) + z[:, None] * axis
+
+
+def mean_visibility(bits, N, directions, table):
+    """V [P, 2, 1 + K]: the weighted share of the directions that each probe sees, front and back.   [own]
+
+    V_k = (e_k + sum_j w_j G_kj V_j) / (e_k + sum_j w_j G_kj),   w_j = flat_weight(+-D_j . N),   e_k = LEAST sum_j G_kj:
+    where a Gaussian lights the other side only, it goes to 1.
+
+    Parameters
+    ----------
+    bits : [P, n] bool, V_j
+    N : [P, 3]
+    directions : [n, 3]
+    table : [n, 1 + K] from `gaussian_table`
+    """
+    V = np.ones((len(N), 2, table.shape[1]))
+    for side, sign in ((0, 1.0), (1, -1.0)):
+        w = flat_weight(sign * (np.asarray(N, float) @ np.asarray(directions, float).T))
+        below = w @ table
+        above = (w * bits) @ table
+        least = LEAST * table.sum(0)
+        V[:, side] = (above + least) / np.maximum(below + least, 1e-30)
+    return V
+
+
+def from_cube(omega, plus, minus):
+    """A value over directions from its means about the six axes.   McTaggart 2004"""
+    return np.sum(cube_shares(omega) * np.concatenate([plus, minus], -1), -1)
+
+
+def bounced(L, rho, V_0):
+    """One diffuse bounce: what hides the light is cloth of albedo rho, lit about as the point itself.   [own]"""
+    return np.asarray(L, float) * (1.0 + np.asarray(rho, float) * (1.0 - np.asarray(V_0, float)[..., None]))

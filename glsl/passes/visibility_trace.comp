@@ -1,0 +1,33 @@
+#version 430
+// Which of the fixed directions of the world each probe sees: a bit each, for both sides of the sheet.   [own]
+// One dispatch traces at most 32 directions, those of one word: loops may end silently after 65,535 iterations.
+#include "passes/ray.glsl"
+#include "passes/visit_any.glsl"
+#include "accel.glsl"
+layout(local_size_x = 64) in;
+layout(binding = 11) uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
+layout(binding = 12) uniform samplerBuffer direction_data;  // toward the light
+layout(std430, binding = 0) buffer Bits { uint bits[]; };   // word by word: those of all probes, one after the other
+uniform int probe_count;
+uniform int first_direction;
+uniform int last_direction;  // the one after the last
+
+void main() {
+    int i = int(gl_GlobalInvocationID.x);
+    if (i >= probe_count) return;
+    vec4 x = texelFetch(probe_data, 2 * i);
+    vec4 N = texelFetch(probe_data, 2 * i + 1);
+    int at = (first_direction / 32) * probe_count + i;
+    uint word = (first_direction & 31) == 0 ? 0u : bits[at];
+    int d = first_direction;
+    do {
+        vec3 omega = texelFetch(direction_data, d).xyz;
+        // Off the side by which the ray leaves.
+        float off = dot(omega, N.xyz) < 0.0 ? -N.w : x.w;
+        Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
+        Ray ray = make_ray(x.xyz + off * N.xyz, omega, 0.0, 3e38);
+        traverse(ray, visit);
+        if (visit.t > 0.0) word |= 1u << uint(d & 31);
+    } while (++d < last_direction);
+    bits[at] = word;
+}
