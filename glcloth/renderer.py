@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import moderngl
@@ -37,6 +37,9 @@ from .scene import Scene, load_scene
 METHODS = {"direct": Direct, "paper": Paper, "reference": Reference}
 BACKGROUND_UNIT = 5
 OCCLUDER_STRUCTURE = "lbvh"  # any-hit rays of the built-in cloth: as fast as the kd-tree; built five times as fast
+# Numbers of tangents and widths of lobes that need a program each (cloth/direct.py, VARIANTS). More than 8 tangents take
+# seconds to compile and are rare: those wait for it. The first comes twice: llvmpipe compiles the very first one anew.
+WARM_UP = ((4, 20.0), (4, 4.0), (5, 4.0), (8, 4.0), (4, 20.0))
 KEPT_SIZES = 3  # G-buffers that stay when the size of the picture changes
 
 
@@ -309,6 +312,24 @@ class Renderer:
         shader.set_uniforms(program, pass_weight=1.0, pass_cover=1.0)
         narrowest = min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in frame.fabric.yarn)
         self._adaptive.shade(buffer, program, list_program, float(np.radians(narrowest)))
+
+    def warm_up(self, frame: Frame) -> Iterator[None]:
+        """Compile what later edits of the weave may need, one way of packing tangents at each step, by drawing a frame's
+        scene at 22x18 with other tangents. Without it the first frame of such an edit waits for its compiler.
+        """
+        warp, weft = frame.fabric.yarn
+        plain = {"curve_angles_deg": None, "curve_lengths": None, "samples": None}
+        one = weft.changed(**plain, tangents_deg=(0.0,), gamma_s_deg=20.0, gamma_v_deg=20.0)
+        lights = Lights(SphericalGaussians([[0.0, 1.0, 0.0]], [2.0], [[1.0, 1.0, 1.0]]))
+        for tangents, gamma in WARM_UP:
+            tilts = np.linspace(-20.0, 20.0, tangents - 1)
+            many = warp.changed(**plain, tangents_deg=tuple(tilts), gamma_s_deg=gamma, gamma_v_deg=2.0 * gamma)
+            for adaptive in (True, False):
+                scene = frame.scene.changed(method="direct", quality="normal", spp=1, adaptive=adaptive, size=(22, 18))
+                small = replace(frame, scene=scene, fabric=frame.fabric.changed(yarn=(many, one)), lights=lights)
+                self.draw(small)
+                self.ctx.finish()
+                yield
 
     def radiance(
         self,

@@ -294,6 +294,18 @@ def test_dragging_the_fabric_crosses_no_threshold(renderer, field):
         assert jumps(values) < (0.03 if field.startswith("gamma") else 0.005), name
 
 
+def test_after_a_warm_up_no_weave_of_up_to_eight_tangents_compiles(renderer):
+    frame = renderer.prepare(size=(32, 24))
+    for _ in renderer.warm_up(frame):
+        pass
+    programs = dict(renderer._programs)
+    for samples in range(1, 8):
+        for adaptive in (False, True):
+            fabric = edited(load_fabric("silk_crepe_de_chine"), samples=samples)
+            renderer.render(fabric=fabric, size=(32, 24), adaptive=adaptive)
+    assert renderer._programs == programs
+
+
 def test_edits_compile_nothing_and_cost_little(renderer):
     """The same program object for every edit within a packing of tangents; the host's share is a few milliseconds."""
     method, fabric, lights = renderer.method("direct"), load_fabric("silk_crepe_de_chine"), sky()

@@ -33,7 +33,7 @@ class Schedule:
 
 
 SCHEDULES = {
-    "draft": Schedule(sharper=(120.0, 8.0, 2.5), sky=5),
+    "draft": Schedule(sharper=(120.0, 8.0, 2.5), sky=5, theta_count=2),
     "normal": Schedule(),
     "high": Schedule(
         sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, sky=8, theta_count=5, phi_pairs=6, pooled_ratio=(0.6, 0.8)
