@@ -70,6 +70,14 @@ class TextureBuffer:
             self.buffer.orphan(max(size, self.buffer.size * 3 // 2))
             self._attach()
 
+    def extend(self, size: int) -> None:
+        """Make room for at least `size` bytes; the content stays."""
+        if size > self.buffer.size:
+            old, self.buffer = self.buffer, self.ctx.buffer(reserve=max(size, self.buffer.size * 3 // 2), dynamic=True)
+            self.ctx.copy_buffer(self.buffer, old, size=old.size)
+            old.release()
+            self._attach()
+
     def bind(self, unit: int) -> None:
         """Bind for reading at a texture unit (the shader says `layout(binding = unit) uniform samplerBuffer ...`)."""
         GL.glActiveTexture(GL.GL_TEXTURE0 + unit)

@@ -14,6 +14,7 @@ class Brute:
 
     name = "brute"
     source = "passes/accel_brute.glsl"
+    settles = False
 
     def __init__(self, ctx):
         self.ctx = ctx

@@ -74,6 +74,7 @@ class KdTree:
 
     name = "kdtree"
     source = "passes/accel_kdtree.glsl"
+    settles = True
 
     def __init__(self, ctx, parameters: KdTreeParameters | None = None, room: float = 1.0):
         """`room` scales the first guess of the buffers' sizes."""

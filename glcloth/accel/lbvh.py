@@ -35,6 +35,7 @@ class Lbvh:
 
     name = "lbvh"
     source = "passes/accel_lbvh.glsl"
+    settles = False
 
     def __init__(self, ctx):
         self.ctx = ctx

@@ -1,8 +1,8 @@
 """Acceleration structures behind one interface, and queries of many rays through any of them.
 
 A structure has `build(triangles)`, `bind(program)`, `chunks()` (the uniforms of each dispatch of a query), `source` (the
-pass file with `traverse`), `node_count`, `leaf_ref_count`, `timings` (ms per stage of the last build), `arrays()` and
-`release()`.
+pass file with `traverse`), `settles` (whether that finds hits in their order, so that a visitor may ask for all layers),
+`node_count`, `leaf_ref_count`, `timings` (ms per stage of the last build), `arrays()` and `release()`.
 """
 
 from __future__ import annotations

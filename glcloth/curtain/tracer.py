@@ -1,8 +1,10 @@
 """The ray tracer of paper B: rays, their hits and their shadows in queues, generation by generation.   [Mat section 4.2]
 
 One generation at a time is cast, shaded and shadowed: camera rays, then the rays they cause behind and before the cloth,
-to the depth asked for. Each ray's radiance is kept, and at the end children are added to their parents, so that no sum
-depends on the order in which the GPU works. Large pictures are made in tiles.
+to the depth asked for. Light through cloth goes straight on, so one traversal of the kd-tree finds all layers along a
+way at once, and only the heads of ways are cast: camera rays and mirrored ones. Each ray's radiance is kept, and at the
+end children are added to their parents, so that no sum depends on the order in which the GPU works. Large pictures are
+made in tiles.
 """
 
 from __future__ import annotations
@@ -60,10 +62,11 @@ class TraceSettings:
 
 @dataclass
 class TraceStatistics:
-    """What the last picture took: rays and shadow rays per generation, ms of each stage per generation (`build` by the
-    structure's stages), ms in all."""
+    """What the last picture took: rays and shadow rays per generation, how many rays were heads of a straight way and so
+    were cast, ms of each stage per generation (`build` by the structure's stages), ms in all."""
 
     rays: list[int] = field(default_factory=list)
+    heads: list[int] = field(default_factory=list)
     shadow_rays: list[int] = field(default_factory=list)
     trace_ms: list[float] = field(default_factory=list)
     shade_ms: list[float] = field(default_factory=list)
@@ -72,12 +75,15 @@ class TraceStatistics:
     build_ms: dict[str, float] = field(default_factory=dict)
     total_ms: float = 0.0
 
-    def add(self, level: int, rays: int, shadow_rays: int, trace: float, shade: float, shadow: float) -> None:
+    def add(
+        self, level: int, rays: int, heads: int, shadow_rays: int, trace: float, shade: float, shadow: float
+    ) -> None:
         """Add one generation of one tile."""
         while len(self.rays) <= level:
-            for column in (self.rays, self.shadow_rays, self.trace_ms, self.shade_ms, self.shadow_ms):
+            for column in (self.rays, self.heads, self.shadow_rays, self.trace_ms, self.shade_ms, self.shadow_ms):
                 column.append(0)
         self.rays[level] += rays
+        self.heads[level] += heads
         self.shadow_rays[level] += shadow_rays
         self.trace_ms[level] += trace
         self.shade_ms[level] += shade
@@ -88,7 +94,6 @@ class _Generation:
     """The queues of one generation of rays."""
 
     def __init__(self, ctx):
-        self.rays = TextureBuffer(ctx, 64)
         self.weights = TextureBuffer(ctx, 64)
         self.radiance = TextureBuffer(ctx, 64)
         self.children = TextureBuffer(ctx, 64, "rg32ui")
@@ -97,8 +102,8 @@ class _Generation:
     def reserve(self, capacity: int) -> None:
         """Make room for so many rays."""
         self.capacity = capacity
-        for buffer, texels in ((self.rays, 2), (self.weights, 1), (self.radiance, 1), (self.children, 1)):
-            buffer.reserve(capacity * texels * buffer.texel_bytes)
+        for buffer in (self.weights, self.radiance, self.children):
+            buffer.reserve(capacity * buffer.texel_bytes)
 
     @property
     def count(self) -> int:
@@ -110,7 +115,7 @@ class _Generation:
         return {"ray_count": self.count, "front_count": self.front, "back_first": self.capacity - self.back}
 
     def release(self) -> None:
-        for buffer in (self.rays, self.weights, self.radiance, self.children):
+        for buffer in (self.weights, self.radiance, self.children):
             buffer.release()
 
 
@@ -127,7 +132,9 @@ class Tracer:
         self._programs: dict[tuple, object] = {}
         self._structures: dict[str, object] = {}
         self._generations = [_Generation(ctx) for _ in range(DEEPEST + 1)]
-        self._hits = TextureBuffer(ctx, 64, "rgba32ui")
+        self._heads = TextureBuffer(ctx, 64)
+        self._head_count = 0
+        self._layers_hit = TextureBuffer(ctx, 64, "rgba32ui")
         self._shadows = TextureBuffer(ctx, 64)
         self._counts = ctx.buffer(reserve=16, dynamic=True)
         self.picture = ctx.buffer(reserve=64, dynamic=True)
@@ -283,7 +290,12 @@ class Tracer:
         )  # fmt: skip
         if "environment_from_world" in shade:
             shade["environment_from_world"].write(rotation_y(-env_rotate).T.astype("f4").tobytes())
-        _set_transmission(self._program("shadow", self.structure(settings.accelerator)), fabric)
+        shadow = self._program("shadow", self.structure(settings.accelerator))
+        _set_transmission(shadow, fabric)
+        # From any point of the scene, both ends of which lie within `scale` of the middle along each axis, this is outside.
+        shader.set_uniforms(
+            shadow, lamp=lighting.lamp.vector, beyond=2 * 3**0.5 * scale, offset=8 * self.triangles.padding
+        )
 
     def _set_light(self, program, fabric: Fabric, lighting: Lighting, far: float) -> None:
         """The uniforms of passes/local_light.glsl."""
@@ -322,20 +334,26 @@ class Tracer:
         first = self._generations[0]
         first.reserve(rays)
         first.front, first.back = rays, 0
+        # All layers of a way at once, where the structure finds hits in order and no ray turns aside in the cloth.
+        layered = structure.settles and not settings.spread
+        stride = settings.depth if layered else 1
+        self._heads.extend(32 * rays)
+        self._head_count = rays
+        self._counts.write(np.array([0, 0, 0, rays], np.uint32).tobytes())
         where = {"size": size, "tile_first": (x, y), "tile_blocks": blocks}
         camera_pass = self._program("camera")
-        shader.set_uniforms(camera_pass, jitter=offset, **where)
+        shader.set_uniforms(camera_pass, jitter=offset, stride=stride, **where)
         camera_pass["ray_from_pixel"].write(_centred(camera, size).T.astype("f4").tobytes())
-        first.rays.buffer.bind_to_storage_buffer(1)
+        self._heads.buffer.bind_to_storage_buffer(1)
         first.weights.buffer.bind_to_storage_buffer(2)
         self._run("camera", rays)
 
-        last = 0
+        last, cast = 0, 0
         for level in range(settings.depth):
             if self._generations[level].count == 0:
                 break
             last = level
-            self._trace_generation(level, sample, structure, settings)
+            cast = self._trace_generation(level, sample, structure, settings, stride, cast)
 
         begin = time.perf_counter()
         for level in range(last - 1, -1, -1):
@@ -351,40 +369,40 @@ class Tracer:
         self._run("picture", rays, share=share, **where)
         self.statistics.gather_ms += 1000 * (time.perf_counter() - begin)
 
-    def _trace_generation(self, level: int, sample: int, structure, settings: TraceSettings) -> None:
-        """Cast, shade and shadow one generation, and make the next."""
+    def _trace_generation(
+        self, level: int, sample: int, structure, settings: TraceSettings, stride: int, cast: int
+    ) -> int:
+        """Cast, shade and shadow one generation, and make the next; `cast` heads, and now the returned, have been cast."""
         now, then = self._generations[level], self._generations[level + 1]
         clock = [time.perf_counter()]
-        self._hits.reserve(16 * now.capacity)
-        self._shadows.reserve(48 * now.count)
-        then.reserve(max(2 * now.count, 1) if level + 1 < settings.depth else 1)
-
-        closest = self.queries.program(structure, "closest")
-        structure.bind(closest)
-        now.rays.bind(RAYS_UNIT)
-        self._hits.buffer.bind_to_storage_buffer(0)
-        for uniforms in structure.chunks():
-            shader.set_uniforms(closest, **({"resume": 0} | now.runs | uniforms))
-            self._dispatch(closest, now.count)
+        heads = self._head_count - cast
+        if heads:
+            self._cast(structure, cast, heads, stride, settings.depth - level)
         clock.append(time.perf_counter())
 
-        self._counts.write(bytes(16))
+        self._shadows.reserve(32 * now.count)
+        then.reserve(max(2 * now.count, 1) if level + 1 < settings.depth else 1)
+        self._heads.extend(32 * (self._head_count + 2 * now.count))
+        self._counts.write(bytes(12))
         self._fabric.bind(self._program("shade"))
         self._bind_surfaces()
-        self._hits.bind(8)
-        now.rays.bind(RAYS_UNIT)
+        self._layers_hit.bind(8)
+        self._heads.bind(RAYS_UNIT)
         now.weights.bind(15)
         if self._environment[1] is not None:
             self._environment[1].use(ENVIRONMENT_UNIT)
-        for binding, buffer in enumerate((then.rays, then.weights, now.radiance, now.children), 1):
+        for binding, buffer in enumerate((self._heads, then.weights, now.radiance, now.children), 1):
             buffer.buffer.bind_to_storage_buffer(binding)
         self._counts.bind_to_storage_buffer(5)
         self._shadows.buffer.bind_to_storage_buffer(6)
         self._run(
             "shade", now.count, **now.runs, next_last=then.capacity - 1, level=level, last_level=settings.depth - 1,
-            generation_seed=sample * DEEPEST + level,
+            generation_seed=sample * DEEPEST + level, stride=stride, layered=stride > 1,
         )  # fmt: skip
-        then.front, then.back, shadows, _ = (int(n) for n in np.frombuffer(self._counts.read(), np.uint32))
+        cast = self._head_count
+        then.front, then.back, shadows, self._head_count = (
+            int(n) for n in np.frombuffer(self._counts.read(), np.uint32)
+        )
         clock.append(time.perf_counter())
 
         if shadows:
@@ -392,6 +410,7 @@ class Tracer:
             structure.bind(program)
             self._bind_surfaces()
             self._shadows.bind(RAYS_UNIT)
+            self._shadows.buffer.bind_to_storage_buffer(6)
             now.radiance.buffer.bind_to_storage_buffer(3)
             chunks = list(structure.chunks())
             for k, uniforms in enumerate(chunks):
@@ -400,7 +419,24 @@ class Tracer:
                 )
                 self._dispatch(program, shadows)
         clock.append(time.perf_counter())
-        self.statistics.add(level, now.count, shadows, *(1000 * float(b - a) for a, b in pairwise(clock)))
+        self.statistics.add(level, now.count, heads, shadows, *(1000 * float(b - a) for a, b in pairwise(clock)))
+        return cast
+
+    def _cast(self, structure, first: int, count: int, stride: int, most_layers: int) -> None:
+        """Find what the heads from `first` on meet: their layers, or with a stride of 1 the nearest hit."""
+        self._layers_hit.extend(16 * stride * (first + count))
+        program = self._program("layers", structure) if stride > 1 else self.queries.program(structure, "closest")
+        structure.bind(program)
+        self._heads.bind(RAYS_UNIT)
+        self._layers_hit.buffer.bind_to_storage_buffer(0)
+        if stride > 1:
+            shader.set_uniforms(program, first_head=first, head_count=count, stride=stride, most_layers=most_layers)
+            self._dispatch(program, count)
+            return
+        for uniforms in structure.chunks():
+            where = {"ray_count": count, "front_count": 0, "back_first": first, "resume": 0}
+            shader.set_uniforms(program, **(where | uniforms))
+            self._dispatch(program, count)
 
     def _bind_surfaces(self) -> None:
         self.triangles.corners.bind(12)
@@ -427,7 +463,8 @@ class Tracer:
     def release(self) -> None:
         """Free the GPU's memory."""
         for thing in (
-            self.queries, self._hits, self._shadows, self._counts, self.picture, self._work, self._materials, self._fabric,
+            self.queries, self._heads, self._layers_hit,
+            self._shadows, self._counts, self.picture, self._work, self._materials, self._fabric,
             *self._generations, *self._programs.values(), *self._structures.values(),
         ):  # fmt: skip
             thing.release()

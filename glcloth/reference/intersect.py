@@ -57,6 +57,11 @@ def hit_triangle(a, b, c, shear):
     return np.where(hit[..., None], np.stack([t, v, w, determinant], -1), [-1.0, 0.0, 0.0, 0.0])
 
 
+def behind_layer(t):
+    """Where a ray goes on behind what it met at t.   [own]"""
+    return t + 1e-5 * (1.0 + t)
+
+
 def clipped_box(a, b, c, n, plane, side):
     """Rows low, high, (exists, 0, 0) [..., 3, 3] as columns of a matrix, by cutting the polygon's edges.   [Zhou 2008]"""
     corners = np.stack(np.broadcast_arrays(a, b, c), -2)

@@ -1,6 +1,9 @@
 // Traversal of the kd-tree with a stack, near child first.   [Zhou 2008, section 4; Havran 2000]
 // Needs struct Ray, struct Visit, reach() and meet() from the pass that includes it. meet() is told the part of the ray
-// that lies in the leaf.
+// that lies in the leaf. A visitor that defines SETTLES is also asked, by settle(), after each leaf: true if the leaf is to
+// be gone through again, because it wants what lies behind its hit.
+// A software rasteriser executes the body of a loop whose test stands at the top once more than it is wanted, for no lane;
+// so tests stand at the end, and two triangles are met at a time, whose long chains of operations overlap.
 #include "trace/shared.glsl"
 #include "count.glsl"
 
@@ -19,47 +22,64 @@ void traverse(Ray ray, inout Visit visit) {
     float far_end[STACK];
     int top = 0;
     uint at = 0u;
-    while (true) {
+    bool more;
+    do {
         uvec2 node = texelFetch(tree_nodes, int(at)).xy;
-        while ((node.y & 3u) != 3u) {
-            count_step();
-            uint axis = node.y & 3u;
-            float plane = uintBitsToFloat(node.x);
-            // Selections instead of indexing with `axis`: an indexed vector goes through memory.
-            float o = axis == 0u ? ray.o.x : axis == 1u ? ray.o.y : ray.o.z;
-            float d = axis == 0u ? ray.d.x : axis == 1u ? ray.d.y : ray.d.z;
-            float inverse = axis == 0u ? inv_d.x : axis == 1u ? inv_d.y : inv_d.z;
-            float t = (plane - o) * inverse;
-            // A ray that starts on the plane begins on the side it goes to.
-            bool below = o < plane || o == plane && d <= 0.0;
-            uint left = at + 1u;
-            uint right = node.y >> 2;
-            uint near = below ? left : right;
-            uint far = below ? right : left;
-            bool only_near = t > t_1 || t <= 0.0;
-            bool only_far = !only_near && t < t_0;
-            at = only_far ? far : near;
-            if (!only_near && !only_far) {
-                far_node[top] = far;
+        bool inner = (node.y & 3u) != 3u;
+        do {
+            if (inner) {
+                count_step();
+                uint axis = node.y & 3u;
+                // Selections instead of indexing with `axis`: an indexed vector goes through memory.
+                float o = axis == 0u ? ray.o.x : axis == 1u ? ray.o.y : ray.o.z;
+                float inverse = axis == 0u ? inv_d.x : axis == 1u ? inv_d.y : inv_d.z;
+                float t = (uintBitsToFloat(node.x) - o) * inverse;
+                // The ray meets the left child first when it goes up the axis; which of the two it meets, t tells.
+                bool up = inverse > 0.0;
+                bool meets_first = t >= t_0;
+                bool meets_both = meets_first && t <= t_1;
+                uint right = node.y >> 2;
+                // Written in any case, and kept only if `top` moves on.
+                far_node[top] = up ? right : at + 1u;
                 far_end[top] = t_1;
-                ++top;
-                t_1 = t;
+                top += meets_both ? 1 : 0;
+                t_1 = meets_both ? t : t_1;
+                at = meets_first == up ? at + 1u : right;
+                node = texelFetch(tree_nodes, int(at)).xy;
+                inner = (node.y & 3u) != 3u;
             }
-            node = texelFetch(tree_nodes, int(at)).xy;
-        }
+        } while (inner);
+        int i = int(node.x);
         int last = int(node.x + (node.y >> 2));
-        for (int i = int(node.x); i < last; ++i) {
-            count_test();
-            uvec4 a = texelFetch(leaf_corners, 3 * i);
-            vec3 b = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 1).xyz);
-            vec3 c = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 2).xyz);
-            meet(visit, ray, a.w, meet_triangle(ray, uintBitsToFloat(a.xyz), b, c), vec2(t_0, t_1));
-        }
+        do {
+            if (i < last) {
+                // The last one twice where their number is odd: a visitor takes no notice.
+                int j = min(i + 1, last - 1);
+                count_test();
+                if (j > i) count_test();
+                uvec4 a = texelFetch(leaf_corners, 3 * i);
+                vec3 b = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 1).xyz);
+                vec3 c = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 2).xyz);
+                uvec4 d = texelFetch(leaf_corners, 3 * j);
+                vec3 e = uintBitsToFloat(texelFetch(leaf_corners, 3 * j + 1).xyz);
+                vec3 f = uintBitsToFloat(texelFetch(leaf_corners, 3 * j + 2).xyz);
+                vec4 hit_i = meet_triangle(ray, uintBitsToFloat(a.xyz), b, c);
+                vec4 hit_j = meet_triangle(ray, uintBitsToFloat(d.xyz), e, f);
+                meet(visit, ray, a.w, hit_i, vec2(t_0, t_1));
+                meet(visit, ray, d.w, hit_j, vec2(t_0, t_1));
+            }
+            i += 2;
+        } while (i < last);
+        bool again = false;
+#ifdef SETTLES
+        again = settle(visit, t_1);
+#endif
         // A triangle that reaches out of its leaf may be hit beyond it: only a hit within ends the search.
-        if (top == 0 || reach(visit) <= t_1) return;
-        --top;
-        t_0 = t_1;
-        at = far_node[top];
-        t_1 = far_end[top];
-    }
+        bool onward = !again && top > 0 && reach(visit) > t_1;
+        more = again || onward;
+        top -= onward ? 1 : 0;
+        t_0 = onward ? t_1 : t_0;
+        at = onward ? far_node[top] : at;
+        t_1 = onward ? far_end[top] : t_1;
+    } while (more);
 }

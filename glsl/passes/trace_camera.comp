@@ -2,8 +2,8 @@
 // The first generation of rays, one a pixel of a tile. Eight neighbouring invocations take a block of 4 x 2 pixels, so
 // that the rays of one SIMD vector stay together. Pixels beyond the tile's edge repeat the last.
 layout(local_size_x = 64) in;
-layout(std430, binding = 1) writeonly buffer Rays { vec4 ray_out[]; };      // (origin, t_min) (direction, t_max)
-layout(std430, binding = 2) writeonly buffer Weights { vec4 weight_out[]; };  // what the ray counts for; pixel
+layout(std430, binding = 1) writeonly buffer Heads { vec4 head_out[]; };      // (origin, t_min) (direction, t_max)
+layout(std430, binding = 2) writeonly buffer Weights { vec4 weight_out[]; };  // what the ray counts for; its layer
 uniform ivec2 size;         // of the picture
 uniform ivec2 tile_first;   // its first pixel, rows counted from below
 uniform ivec2 tile_blocks;  // how many blocks
@@ -11,6 +11,7 @@ uniform vec2 jitter;        // of the sample, in pixels
 uniform vec3 eye;
 uniform mat3 ray_from_pixel;
 uniform float far;
+uniform int stride;         // layers that a head has room for
 
 void main() {
     int i = int(gl_GlobalInvocationID.x);
@@ -18,7 +19,7 @@ void main() {
     ivec2 block = ivec2(i / 8 % tile_blocks.x, i / 8 / tile_blocks.x);
     ivec2 pixel = min(tile_first + block * ivec2(4, 2) + ivec2(i % 4, i / 4 % 2), size - 1);
     vec3 d = normalize(ray_from_pixel * vec3(vec2(pixel) + 0.5 + jitter, 1.0));
-    ray_out[2 * i] = vec4(eye, 0.0);
-    ray_out[2 * i + 1] = vec4(d, far);
-    weight_out[i] = vec4(1.0, 1.0, 1.0, float(pixel.y * size.x + pixel.x));
+    head_out[2 * i] = vec4(eye, 0.0);
+    head_out[2 * i + 1] = vec4(d, far);
+    weight_out[i] = vec4(1.0, 1.0, 1.0, intBitsToFloat(i * stride));
 }

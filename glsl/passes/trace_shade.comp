@@ -5,22 +5,27 @@
 // L_out = T_sheet L(straight on) + R_sheet L(mirrored) + (yarns' transmission or reflection) E V + ambient: the lamp's part
 // waits in the shadow queue until its visibility V is known. Rays of the next generation lie in two runs: transmitted ones
 // from the front, mirrored ones from the back.
+// A ray is (weight, layer): the layer belongs to a head, the origin and direction of a straight way. When `layered`, the
+// head's layers have all been found at once and a transmitted ray is its parent's next layer; otherwise it is a new head.
 #include "trace/shared.glsl"
+#include "trace/intersect.glsl"
 #include "trace/random.glsl"
 #include "core/equirect.glsl"
 #include "passes/local_light.glsl"
 
 layout(local_size_x = 64) in;
 layout(binding = 6) uniform sampler2D environment_map;
-layout(binding = 8) uniform usamplerBuffer hits;      // (t, triangle, v, w)
-layout(binding = 11) uniform samplerBuffer rays;      // (origin, t_min) (direction, t_max)
-layout(binding = 15) uniform samplerBuffer weights;   // (weight, pixel)
-layout(std430, binding = 1) writeonly buffer Rays { vec4 ray_out[]; };
+layout(binding = 8) uniform usamplerBuffer layers;    // (t, triangle, v, w), `stride` for each head
+layout(binding = 11) uniform samplerBuffer heads;     // (origin, t_min) (direction, t_max)
+layout(binding = 15) uniform samplerBuffer weights;   // (weight, layer)
+layout(std430, binding = 1) writeonly buffer Heads { vec4 head_out[]; };
 layout(std430, binding = 2) writeonly buffer Weights { vec4 weight_out[]; };
 layout(std430, binding = 3) writeonly buffer Radiances { vec4 radiance[]; };
 layout(std430, binding = 4) writeonly buffer Children { uvec2 children[]; };
-layout(std430, binding = 5) buffer Counts { uint count[]; };  // transmitted, mirrored, shadow rays
-layout(std430, binding = 6) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray) (direction, t_max) (radiance, -)
+layout(std430, binding = 5) buffer Counts { uint count[]; };  // transmitted, mirrored, shadow rays; heads
+layout(std430, binding = 6) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray) (radiance, -)
+uniform int stride;
+uniform bool layered;
 uniform int ray_count;
 uniform int front_count;
 uniform int back_first;
@@ -75,15 +80,19 @@ void main() {
     int i = int(gl_GlobalInvocationID.x);
     if (i >= ray_count) return;
     if (i >= front_count) i += back_first - front_count;
-    vec3 d = texelFetch(rays, 2 * i + 1).xyz;
     vec4 weight = texelFetch(weights, i);
-    uvec4 hit = texelFetch(hits, i);
+    int layer = floatBitsToInt(weight.a);
+    int head = layer / stride;
+    vec3 d = texelFetch(heads, 2 * head + 1).xyz;
+    uvec4 hit = texelFetch(layers, layer);
     if (hit.y == NO_TRIANGLE) {
         radiance[i] = vec4(weight.rgb * sky(d), 0.0);
         children[i] = uvec2(NO_TRIANGLE);
         return;
     }
-    vec3 p = texelFetch(rays, 2 * i).xyz + uintBitsToFloat(hit.x) * d;
+    float t = uintBitsToFloat(hit.x);
+    vec3 o = texelFetch(heads, 2 * head).xyz;
+    vec3 p = o + t * d;
     Surface s = surface_at(int(hit.y), uintBitsToFloat(hit.zw), -d);
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = -d * world_from_surface;
@@ -92,38 +101,45 @@ void main() {
     vec3 direct = weight.rgb * lamp_light(s, world_from_surface, omega_o, l);
     uvec2 next = uvec2(NO_TRIANGLE);
     if (s.cloth && level < last_level) {
+        vec4 from = vec4(o, behind_layer(t));
         vec3 onward = d;
         vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
         if (spread) {
-            vec3 drawn = drawn_direction(omega_o, uvec3(uint(weight.a), uint(generation_seed), floatBitsToUint(d.x)), through);
-            drawn = world_from_surface * drawn;
-            onward = dot(drawn, s.N_g) < 0.0 ? drawn : d;
+            uvec3 seed = uvec3(floatBitsToUint(d.x), floatBitsToUint(d.y), uint(generation_seed));
+            vec3 drawn = world_from_surface * drawn_direction(omega_o, seed, through);
+            if (dot(drawn, s.N_g) < 0.0) {
+                onward = drawn;
+                from = vec4(p - offset * s.N_g, 0.0);
+            }
         }
         through *= weight.rgb;
         if (largest(through) > cutoff) {
-            uint k = atomicAdd(count[0], 1u);
-            ray_out[2u * k] = vec4(p - offset * s.N_g, 0.0);
-            ray_out[2u * k + 1u] = vec4(onward, far);
-            weight_out[k] = vec4(through, weight.a);
-            next.x = k;
+            next.x = atomicAdd(count[0], 1u);
+            int next_layer = layer + 1;
+            if (!layered) {
+                uint k = atomicAdd(count[3], 1u);
+                head_out[2u * k] = from;
+                head_out[2u * k + 1u] = vec4(onward, far);
+                next_layer = int(k) * stride;
+            }
+            weight_out[next.x] = vec4(through, intBitsToFloat(next_layer));
         }
         vec3 mirrored = weight.rgb * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
         if (largest(mirrored) > cutoff) {
             vec3 r = reflect(d, s.N);
             if (dot(r, s.N_g) <= 0.0) r = reflect(d, s.N_g);
-            uint k = uint(next_last) - atomicAdd(count[1], 1u);
-            ray_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
-            ray_out[2u * k + 1u] = vec4(r, far);
-            weight_out[k] = vec4(mirrored, weight.a);
-            next.y = k;
+            next.y = uint(next_last) - atomicAdd(count[1], 1u);
+            uint k = atomicAdd(count[3], 1u);
+            head_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
+            head_out[2u * k + 1u] = vec4(r, far);
+            weight_out[next.y] = vec4(mirrored, intBitsToFloat(int(k) * stride));
         }
     }
     radiance[i] = vec4(weight.rgb * even_light(s), 0.0);
     children[i] = next;
     if (largest(direct) > 1e-5 * cutoff) {
         uint k = atomicAdd(count[2], 1u);
-        shadow_out[3u * k] = vec4(p + (l.behind ? -offset : offset) * s.N_g, float(i));
-        shadow_out[3u * k + 1u] = vec4(l.direction, l.distance - (lamp.w > 0.0 ? offset : 0.0));
-        shadow_out[3u * k + 2u] = vec4(direct, 0.0);
+        shadow_out[2u * k] = vec4(p + (l.behind ? -offset : offset) * s.N_g, intBitsToFloat(i));
+        shadow_out[2u * k + 1u] = vec4(direct, 0.0);
     }
 }

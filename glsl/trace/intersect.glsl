@@ -52,11 +52,17 @@ vec4 hit_triangle(vec3 a, vec3 b, vec3 c, vec3 shear) {
     float V = edge_function(A, C);
     float W = edge_function(B, A);
     float determinant = U + V + W;
-    bool miss = min(U, min(V, W)) < 0.0 && max(U, max(V, W)) > 0.0 || determinant == 0.0;
-    // No branch: the lanes of a SIMD vector seldom agree here.
-    float inverse = miss ? 0.0 : 1.0 / determinant;
+    // Comparisons instead of min and max, which have to mind NaN; no branch, because the lanes of a SIMD vector seldom agree.
+    bool miss = (U < 0.0 || V < 0.0 || W < 0.0) && (U > 0.0 || V > 0.0 || W > 0.0) || determinant == 0.0;
+    float inverse = 1.0 / determinant;
     float t = (U * a.z + V * b.z + W * c.z) * shear.z * inverse;
-    return vec4(miss ? -1.0 : t, V * inverse, W * inverse, miss ? 0.0 : 0.5 * determinant);
+    return miss ? vec4(-1.0, 0.0, 0.0, 0.0) : vec4(t, V * inverse, W * inverse, 0.5 * determinant);
+}
+
+// [own]  Where a ray goes on behind what it met at t. Hits within a hair of each other are the same layer's: two triangles
+// that share an edge are both met there, at t that differ by rounding.
+float behind_layer(float t) {
+    return t + 1e-5 * (1.0 + t);
 }
 
 // [Zhou et al. 2008, section 3.1]  The box of the part of a triangle on one side of the plane dot(p, n) = plane

@@ -65,6 +65,7 @@ SPECIAL = {
     ("sides", "low"): low_corner,
     ("sides", "high"): lambda rng, count: rng.uniform(-0.1, 2, (count, 3)),
     ("sides", "plane"): plane,
+    ("behind_layer", "t"): between(0.0, 30.0),
     ("clipped_box", "plane"): between(-1.0, 1.0, 0.0),
     ("clipped_box", "n"): lambda rng, count: np.eye(3)[rng.integers(0, 3, count)],
     ("clipped_box", "side"): choice(-1.0, 1.0),
