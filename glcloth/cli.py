@@ -43,6 +43,9 @@ class SceneOptions:
     env: Annotated[str | None, Parameter(help="Built-in environment or an equirectangular .hdr or .exr file.")] = None
     env_rotate: Annotated[float | None, Parameter(help="Turn the environment about +Y, degrees.")] = None
     lobes: Annotated[str | None, Parameter(help="Spherical Gaussians of the environment, 1 to 64, or auto.")] = None
+    lights: Annotated[
+        str | None, Parameter(help="File of lights (.json, .toml) instead of a fit; `glcloth env` writes one.")
+    ] = None
     method: Annotated[str | None, Parameter(help="direct, paper, reference or trace.")] = None
     quality: Annotated[str | None, Parameter(help="draft, normal or high (method direct).")] = None
     adaptive: Annotated[
@@ -104,10 +107,19 @@ def _scene(name: str | None, options: SceneOptions | None):
 def _stored(scene) -> dict:
     """A scene as a picture keeps it: files by their whole path, so that the picture renders again from any folder."""
     data = scene.model_dump(mode="json")
-    for key in ("fabric", "mesh", "env", "room"):
-        if isinstance(data.get(key), str) and Path(data[key]).is_file():
+    for key in ("fabric", "mesh", "env", "lights", "room"):
+        if isinstance(data.get(key), str) and data[key] and Path(data[key]).is_file():
             data[key] = str(Path(data[key]).resolve())
     return data
+
+
+def _frame_of(scene: str | None) -> int | None:
+    """The frame of the moving curtain that a picture shows; None for anything else."""
+    from .image import read_settings
+
+    if scene is None or Path(scene).suffix.lower() not in (".png", ".exr"):
+        return None
+    return (read_settings(scene) or {}).get("frame")
 
 
 def _print(as_json: bool, result: dict, line: str) -> None:
@@ -124,7 +136,9 @@ def render(
     *,
     output: Annotated[Path, _output("Picture to write, .png or .exr.")],
     options: SceneOptions | None = None,
-    frame: Annotated[int, Parameter(help="Frame of the moving curtain.")] = 48,
+    frame: Annotated[
+        int | None, Parameter(help="Frame of the moving curtain; default: that of the picture given as scene, or 48.")
+    ] = None,
     show_tree: Annotated[
         str | None, Parameter(help="Curtain: the tree beside the picture: leaves, or a level.")
     ] = None,
@@ -149,7 +163,7 @@ def render(
     check_output(output)
     begin = time.perf_counter()
     if not isinstance(chosen, Scene):
-        _render_curtain(chosen, output, frame, show_tree, layers, device, json)
+        _render_curtain(chosen, output, _frame_of(scene) if frame is None else frame, show_tree, layers, device, json)
         return
     with Renderer(device) as renderer:
         frame = renderer.prepare(chosen)
@@ -186,6 +200,7 @@ def _render_curtain(scene, output: Path, number: int, show_tree, layers: bool, d
     from .curtain.show import CurtainShow
     from .image import write_image
 
+    number = 48 if number is None else number
     if not 0 <= number <= 100_000:
         raise InputError(f"--frame {number}: expected 0 to 100000")
     if show_tree is not None and show_tree != "leaves" and not show_tree.isdigit():
@@ -283,13 +298,9 @@ def view(
     scene
         Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
     """
-    from .scene import Scene
     from .window import view as open_window
 
-    chosen = _scene(scene, options)
-    if not isinstance(chosen, Scene):
-        raise InputError("view: the window shows cloth under an environment; for the curtain: glcloth animate curtain")
-    open_window(chosen, watch, scene)
+    open_window(_scene(scene, options), watch, scene)
 
 
 @app.command

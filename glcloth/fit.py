@@ -144,7 +144,18 @@ def fit_report(
     """Fit as fit_lights does and report how well it went."""
     begin = time.perf_counter()
     lights, cached = _fit(environment, lobes, target, weights, cache)
-    seconds = time.perf_counter() - begin
+    return report_on(environment, lights, time.perf_counter() - begin, cached, weights)
+
+
+def report_on(
+    environment: Environment,
+    lights: Lights | SphericalGaussians,
+    seconds: float = 0.0,
+    cached: bool = False,
+    weights: str | np.ndarray | None = None,
+) -> FitReport:
+    """Report how well given lights stand for an environment, wherever they come from."""
+    lights = as_lights(lights)
     whole = _of_map(environment)
     suns = harmonics.project_directions(lights.suns.direction, lights.suns.irradiance)
     q = _weights(weights) ** 2

@@ -29,6 +29,7 @@ from .errors import InputError
 from .fabric import Fabric, load_fabric
 from .fit import fit_lights
 from .lights import Lights, SphericalGaussians, as_lights
+from .lights_file import load_lights
 from .mesh import BUILTIN_MESHES, Mesh, load_mesh, load_view
 from .progress import check_stopped, track
 from .raster import GBuffer, MeshBuffers
@@ -133,7 +134,9 @@ class Renderer:
         if not isinstance(environment, Environment):
             environment = self._loaded(load_environment, environment or scene.env)
         rotation = rotation_y(scene.env_rotate)
-        if lights is None:
+        if lights is None and scene.lights:
+            lights = load_lights(scene.lights).rotated(rotation)
+        elif lights is None:
             lights = self._fitted(environment, scene.lobes).rotated(rotation)
         settings = Settings(
             scene.quality,

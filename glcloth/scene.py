@@ -39,6 +39,7 @@ class Scene(BaseModel):
     env: str = "studio"
     env_rotate: float = 0.0
     lobes: int | Literal["auto"] = 10
+    lights: str = ""  # a file of lights instead of a fit; the environment is still what stands behind the cloth
     method: Literal["direct", "paper", "reference", "trace"] = "direct"
     quality: Literal["draft", "normal", "high"] = "normal"
     adaptive: bool = False

@@ -29,7 +29,7 @@ def settle(app, limit=30.0):
     app._heard()
     end, steps = time.monotonic() + limit, 0
     while time.monotonic() < end:
-        if steps > 3 and app.refiner.idle and not app.pending and app.frames:
+        if steps > 3 and not app.busy and not app.pending and app.shows_something:
             return
         glfw.post_empty_event()
         app.step()
@@ -54,25 +54,25 @@ def during(app, *commands):
 
 
 def distance(app):
-    camera = app.camera()
+    camera = app.navigation.camera
     return float(np.linalg.norm(np.subtract(camera.eye, camera.target)))
 
 
 def events(folder):
     """What the test looks at."""
     app = App(Scene(size=(120, 96), mesh="sphere", env="sky"))
-    glfw.set_window_pos(app.window, 0, 0)
+    glfw.set_window_pos(app.host.window, 0, 0)
     settle(app)
     out = {"follow": app.follow, "size": app.session.scene.size, "screen": list(app.screen().shape)}
-    first, scene = app.picture(), app.session.scene
-    home, far = app.camera(), distance(app)
+    first, scene = app.files.picture(), app.session.scene
+    home, far = app.navigation.camera, distance(app)
     during(app, ["mousemove", 60, 50], ["mousedown", 1], ["mousemove", 70, 50], ["mousemove", 80, 55], ["mouseup", 1])
-    out["orbited"] = app.camera().eye != home.eye and abs(distance(app) - far) < 1e-6
+    out["orbited"] = app.navigation.camera.eye != home.eye and abs(distance(app) - far) < 1e-6
     during(app, ["click", "--repeat", 3, 4])
     out["zoomed"] = distance(app) < 0.8 * far
     during(app, ["key", "Home"])
-    out["home"] = bool(app.camera() == home)
-    out["home_picture"] = bool(np.array_equal(app.picture(), first))
+    out["home"] = bool(app.navigation.camera == home)
+    out["home_picture"] = bool(np.array_equal(app.files.picture(), first))
     during(app, ["mousemove", 60, 50], ["mousedown", 3], ["mousemove", 75, 50], ["mousemove", 90, 50], ["mouseup", 3])
     out["turned"] = app.session.scene.env_rotate
     during(app, ["key", "ctrl+z"])
@@ -84,31 +84,30 @@ def events(folder):
     # Files: a bad one leaves everything as it was.
     (folder / "bad.hdr").write_bytes(b"nothing")
     before = app.session.document
-    app.open(str(folder / "bad.hdr"))
+    app.files.open(str(folder / "bad.hdr"))
     settle(app)
     out["bad_file"] = app.messages[-1][1]
-    out["kept"] = app.session.document == before and bool(np.array_equal(app.picture(), first))
+    out["kept"] = app.session.document == before and bool(np.array_equal(app.files.picture(), first))
     # Ten parameters, saved and opened again.
     app.session.edit_yarn(0, gamma_s_deg=7.5, albedo=(0.3, 0.1, 0.2), eta=1.5, k_d=0.3, gamma_v_deg=14.0)
     app.session.edit_yarn(1, **curve.move(app.session.fabric.yarn[1], 1, 0.7, 22.0))
     app.session.edit_fabric(app.session.fabric.changed(sigma_deg=25.0, normalization="paper"))
     app.session.edit_scene(env_rotate=33.0, spp=2, exposure=0.5)
-    app.look(orbit.orbit(app.camera(), 20.0, 10.0))
+    app.navigation.look(orbit.orbit(app.navigation.camera, 20.0, 10.0))
     settle(app)
-    edited, edited_scene = app.picture(), app.session.scene
+    edited, edited_scene = app.files.picture(), app.session.scene
     for name in ("p.exr", "p.png"):
-        app.save_picture(str(folder / name))
-    app.panels.scene_path = str(folder / "s.toml")
-    app.panels.save_scene()
-    app.save_picture(str(folder / "w.png"), panels=True)
+        app.files.save_picture(str(folder / name))
+    app.files.save_scene(str(folder / "s.toml"))
+    app.files.save_picture(str(folder / "w.png"), panels=True)
     settle(app)
     out["messages"] = [kind for kind, _ in app.messages[1:]]
     same = []
     for name in ("s.toml", "p.exr", "p.png"):
         app.session.open(Scene(size=(120, 96)))
-        app.open(str(folder / name))
+        app.files.open(str(folder / name))
         settle(app)
-        same.append(bool(np.array_equal(app.picture(), edited)))
+        same.append(bool(np.array_equal(app.files.picture(), edited)))
     out["reopened"] = same
     app.session.compare("split")
     app.session.edit_other(method="paper", fabric="linen")
@@ -143,11 +142,11 @@ def act(app, rng):
     index, pick = int(rng.integers(2)), lambda items: items[int(rng.integers(len(items)))]
     yarn = session.fabric.yarn[index]
     actions = (
-        lambda: app.look(orbit.orbit(app.camera(), *rng.uniform(-40, 40, 2))),
-        lambda: app.look(orbit.pan(app.camera(), *rng.uniform(-0.2, 0.2, 2))),
-        lambda: app.look(orbit.zoom(app.camera(), rng.uniform(0.7, 1.4), 1.0)),
-        app.home,
-        app.frame_mesh,
+        lambda: app.navigation.look(orbit.orbit(app.navigation.camera, *rng.uniform(-40, 40, 2))),
+        lambda: app.navigation.look(orbit.pan(app.navigation.camera, *rng.uniform(-0.2, 0.2, 2))),
+        lambda: app.navigation.look(orbit.zoom(app.navigation.camera, rng.uniform(0.7, 1.4), 1.0)),
+        app.navigation.home,
+        app.navigation.frame_mesh,
         lambda: session.edit_scene("turn", env_rotate=float(rng.uniform(-180, 180))),
         lambda: session.edit_scene("exposure", exposure=float(rng.uniform(-9, 9))),
         lambda: session.edit_scene(background=bool(rng.integers(2))),
@@ -167,9 +166,9 @@ def act(app, rng):
         app.redo,
         session.swap,
         lambda: session.compare(pick(("off", "split", "difference"))),
-        lambda: glfw.set_window_size(app.window, int(rng.integers(440, 520)), int(rng.integers(40, 120))),
+        lambda: glfw.set_window_size(app.host.window, int(rng.integers(440, 520)), int(rng.integers(40, 120))),
         lambda: setattr(app, "show_panels", not app.show_panels),
-        lambda: app.open(pick(("missing.obj", "README.md"))),
+        lambda: app.files.open(pick(("missing.obj", "README.md"))),
     )
     try:
         pick(actions)()

@@ -196,8 +196,13 @@ class CurtainShow:
     def advance(self, frames: int = 1) -> None:
         """Let the wind blow for so many frames."""
         for _ in range(frames):
-            self.simulation.step(1.0 / self.scene.rate)
-        self.frame += frames
+            for _ in self.moving():
+                pass
+
+    def moving(self) -> Iterator[None]:
+        """Advance by one frame, a few substeps at a time, for a caller with other things to do in between."""
+        yield from self.simulation.steps(1.0 / self.scene.rate)
+        self.frame += 1
         self.moved()
 
     def change(self, scene: CurtainScene, environment: Environment | None = None) -> bool:
@@ -266,7 +271,7 @@ class CurtainShow:
         colors = np.where((material == CLOTH)[:, None], CLOTH_TINT, self.materials[material])
         return {
             "tree": arrays, "positions": positions, "colors": colors, "camera": camera,
-            "lamp": self.scene.lamp_position, "hidden": _away(positions, camera),
+            "lamp": self.scene.lamp_position, "hidden": hides(positions, camera),
         }  # fmt: skip
 
     def frames(self, count: int, start: int = 0) -> Iterator[np.ndarray]:
@@ -299,7 +304,7 @@ def _with_openness(parameters: CurtainParameters, fabric: Fabric) -> CurtainPara
     return dataclasses.replace(parameters, openness=fabric.transmission.openness)
 
 
-def _away(positions: np.ndarray, camera: Camera) -> np.ndarray:
+def hides(positions: np.ndarray, camera: Camera) -> np.ndarray:
     """Which triangles [T] of walls lie behind or beside the camera, seen from outside: they would hide everything."""
     normal = np.cross(positions[:, 1] - positions[:, 0], positions[:, 2] - positions[:, 0])
     size = np.linalg.norm(normal, axis=1)

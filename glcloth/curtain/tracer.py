@@ -264,12 +264,14 @@ class Tracer:
         begin = time.perf_counter()
         self._prepare(fabric, lighting, environment, env_rotate, camera, settings)
         self._reserve_picture(width * height)
+        done = 0
         for k, offset in enumerate(offsets):
             for tile in _tiles(width, height, pixels):
                 self._trace_tile(tile, size, camera, offset, k, 1.0 / len(offsets), structure, settings)
                 self.statistics.total_ms += 1000 * (time.perf_counter() - begin)
-                (_, y), (_, blocks) = tile
-                yield (k + min(y + 2 * blocks, height) / height) / len(offsets)
+                (x, y), (across, rows) = tile
+                done += min(4 * across, width - x) * min(2 * rows, height - y)
+                yield done / (width * height * len(offsets))
                 begin = time.perf_counter()
 
     def _prepare(self, fabric, lighting, environment, env_rotate, camera, settings) -> None:

@@ -6,6 +6,8 @@ z-buffered.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import moderngl
 import numpy as np
 
@@ -22,6 +24,7 @@ YELLOW, GREEN, GREY, BLACK, PAPER = (
 )
 EDGES = [(0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 6), (5, 7), (6, 7)]
 OVERSAMPLING = 2
+PART = 24_000  # vertices drawn at a time: whole triangles and whole lines
 
 
 def box_lines(low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -53,10 +56,17 @@ class TreePicture:
         self._program = shader.program(ctx, "passes/plain.vert", "passes/plain.frag")
         self._vertices = ctx.buffer(reserve=24, dynamic=True)
         self._array = ctx.vertex_array(self._program, [(self._vertices, "3f 3f", "position", "vertex_color")])
+        self.boxes = 0
         self._target: moderngl.Framebuffer | None = None
         self._depth: moderngl.Renderbuffer | None = None
 
-    def draw(
+    def draw(self, **content) -> int:
+        """Draw as `steps` does, all at once; returns how many boxes it drew."""
+        for _ in self.steps(**content):
+            pass
+        return self.boxes
+
+    def steps(
         self,
         tree: dict[str, np.ndarray],
         positions: np.ndarray,
@@ -66,8 +76,8 @@ class TreePicture:
         lamp: tuple[float, float, float] | None = None,
         level: int | None = None,
         hidden: np.ndarray | None = None,
-    ) -> int:
-        """Draw a structure and the triangles that it holds.
+    ) -> Iterator[None]:
+        """Draw a structure and the triangles that it holds, a part at a time, for a caller with other things to do.
 
         Parameters
         ----------
@@ -77,7 +87,8 @@ class TreePicture:
         level : draw the boxes of this level; None: of the leaves that hold triangles
         hidden : [T] bool, triangles to leave out (walls that would hide the rest)
 
-        Returns how many boxes it drew. Raises InputError for a structure without boxes or a level that it does not have.
+        `boxes` says afterwards how many were drawn. Raises InputError for a structure without boxes or a level that it
+        does not have.
         """
         if "low" not in tree:
             raise InputError("brute force has no tree to show; choose kdtree or lbvh")
@@ -85,47 +96,48 @@ class TreePicture:
         low, high = tree["low"][nodes].astype(float), tree["high"][nodes].astype(float)
         bound_low, bound_high = positions.min((0, 1)).astype(float), positions.max((0, 1)).astype(float)
         low, high = np.maximum(low, bound_low), np.minimum(high, bound_high)
-        lines = [(box_lines(low, high).reshape(-1, 3), GREEN)]
+        boxes = box_lines(low, high).reshape(-1, 3)
         length = float(np.linalg.norm(bound_high - bound_low))
-        lines.append((np.array([[[0, 0, 0], axis] for axis in 0.5 * length * np.eye(3)]).reshape(-1, 3), GREY))
-        solids = []
-        if lamp is not None:
-            solids.append((_octahedron(np.array(lamp, float), 0.02 * length), YELLOW))
+        axes = np.array([[[0, 0, 0], axis] for axis in 0.5 * length * np.eye(3)]).reshape(-1, 3)
+        bulb = np.zeros((0, 3)) if lamp is None else _octahedron(np.array(lamp, float), 0.02 * length)
         keep = np.ones(len(positions), bool) if hidden is None else ~np.asarray(hidden)
         triangles = positions[keep].reshape(-1, 3)
         tints = np.repeat(np.asarray(colors)[keep], 3, 0)
-        every = np.concatenate([positions.reshape(-1, 3), *(p for p, _ in lines + solids)])
+        edges = triangles.reshape(-1, 3, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 3)
+        every = np.concatenate([positions.reshape(-1, 3), boxes, axes, bulb])
         near, far = camera.depth_range(every.min(0), every.max(0))
         self._reserve(size)
         self._program["clip_from_world"].write(camera.clip_from_world(size, near, far).T.astype("f4").tobytes())
         self._target.use()
-        self.ctx.viewport = (0, 0, *size)
         self._target.clear(*PAPER, 1.0)
-        self.ctx.enable_only(moderngl.DEPTH_TEST)
-        try:
-            self._put(triangles, tints, moderngl.TRIANGLES)
-            edges = triangles.reshape(-1, 3, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 3)
-            self._put(edges, BLACK, moderngl.LINES, 2e-5)
-            for points, tint in solids:
-                self._put(points, tint, moderngl.TRIANGLES)
-            for points, tint in lines:
-                self._put(points, tint, moderngl.LINES, 1e-5)
-        finally:
-            self.ctx.enable_only(moderngl.NOTHING)
-            # moderngl binds the last framebuffer back after making a new one; it must not be a deleted one.
-            self.ctx.detect_framebuffer(0).use()
-        return len(nodes)
+        self.boxes = len(nodes)
+        for points, tint, mode, nearer in (
+            (triangles, tints, moderngl.TRIANGLES, 0.0),
+            (edges, BLACK, moderngl.LINES, 2e-5),
+            (bulb, YELLOW, moderngl.TRIANGLES, 0.0),
+            (boxes, GREEN, moderngl.LINES, 1e-5),
+            (axes, GREY, moderngl.LINES, 1e-5),
+        ):
+            for first in range(0, len(points), PART):
+                part = slice(first, first + PART)
+                self._put(points[part], tint[part] if tint is tints else tint, mode, nearer)
+                yield
 
-    def _put(self, points: np.ndarray, tint, mode: int, nearer: float = 0.0) -> None:
-        if not len(points):
-            return
+    def _put(self, points: np.ndarray, tint, mode: int, nearer: float) -> None:
         data = np.empty((len(points), 6), np.float32)
         data[:, :3], data[:, 3:] = points, tint
         if self._vertices.size < data.nbytes:
-            self._vertices.orphan(2 * data.nbytes)
+            self._vertices.orphan(24 * PART)
         self._vertices.write(data)
         self._program["nearer"].value = nearer
+        # Between two parts others may have drawn elsewhere.
+        self._target.use()
+        self.ctx.viewport = (0, 0, *self._target.size)
+        self.ctx.enable_only(moderngl.DEPTH_TEST)
         self._array.render(mode, vertices=len(points))
+        self.ctx.enable_only(moderngl.NOTHING)
+        # moderngl binds the last framebuffer back after making a new one; it must not be a deleted one.
+        self.ctx.detect_framebuffer(0).use()
 
     def _reserve(self, size: tuple[int, int]) -> None:
         if self.texture is not None and self.texture.size == tuple(size):
@@ -160,7 +172,7 @@ def draw_tree(
     level: int | None = None,
     hidden: np.ndarray | None = None,
 ) -> np.ndarray:
-    """Draw a structure and the triangles that it holds, once; parameters and errors as for TreePicture.draw.
+    """Draw a structure and the triangles that it holds, once; parameters and errors as for TreePicture.steps.
 
     Returns float32 [H, W, 3], linear, top row first.
     """
@@ -168,7 +180,16 @@ def draw_tree(
     drawn = (size[0] * k, size[1] * k)
     picture = TreePicture(ctx)
     try:
-        picture.draw(tree, positions, colors, camera, drawn, lamp, level, hidden)
+        picture.draw(
+            tree=tree,
+            positions=positions,
+            colors=colors,
+            camera=camera,
+            size=drawn,
+            lamp=lamp,
+            level=level,
+            hidden=hidden,
+        )
         pixels = np.frombuffer(picture.texture.read(), np.float32).reshape(drawn[1], drawn[0], 4)[::-1, :, :3]
         return pixels.reshape(size[1], k, size[0], k, 3).mean((1, 3)).astype(np.float32)
     finally:

@@ -1,11 +1,12 @@
-"""The window: edit a fabric while it renders. Only `app` and `panels` touch a display; the other modules are plain values."""
+"""The window: edit a fabric while it renders, or a curtain while it moves in the wind."""
 
 from __future__ import annotations
 
+from ..curtain.show import CurtainScene
 from ..scene import Scene
 
 
-def view(scene: Scene, watch: bool = False, source: str | None = None) -> None:
+def view(scene: Scene | CurtainScene, watch: bool = False, source: str | None = None) -> None:
     """Open the window on a scene and stay until it is closed.
 
     Parameters

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import types
-from dataclasses import dataclass
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from dataclasses import dataclass, fields
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from ..curtain.cloth import CurtainParameters
+from ..curtain.show import CurtainScene
 from ..scene import Scene
 
 CURVE = ("curve_angles_deg", "curve_lengths", "samples", "tangents_deg")  # edited together, in a plot
@@ -25,14 +27,43 @@ _SCENE_HELP = {
     "exposure": ("stops", "brightness of the picture on screen and in PNG files; EXR files keep the light itself"),
     "spp": ("", "samples per pixel once the picture is refined"),
     "background": ("", "show the environment behind the cloth"),
+    "adaptive": ("", "shade one pixel in four where neighbours are alike; small pictures always do while you edit"),
+    "shadows": ("", "what the cloth hides from itself: nothing, the suns, or all the light"),
+    "depth": ("", "generations of rays: through the cloth and mirrored by it"),
+    "spread": ("", "blur what is seen through the yarns; needs many samples per pixel"),
+    "accelerator": ("", "what rays are traced through; all give the same picture"),
+    "lamp_position": ("m", "the lamp outside the window, x y z; +y up, the window at z = 0"),
+    "lamp_intensity": ("W/sr", "of the lamp, red green blue"),
+    "ambient": ("", "even light in the room, red green blue"),
 }
 # Fields that only one method reads: shown with that method.
 METHOD_FIELDS = {
-    "direct": ("quality",),
+    "direct": ("quality", "adaptive"),
     "paper": ("segments", "grid", "contribution"),
     "reference": ("cube", "light"),
 }
-_SCENE_RANGES = {"env_rotate": (-180.0, 180.0), "exposure": (-8.0, 8.0), "lobes": (1, 64), "spp": (1, 64)}
+_SCENE_RANGES = {
+    "env_rotate": (-180.0, 180.0), "exposure": (-8.0, 8.0), "lobes": (1, 64), "spp": (1, 64),
+    "lamp_position": (-12.0, 12.0), "lamp_intensity": (0.0, 1000.0), "ambient": (0.0, 2.0),
+}  # fmt: skip
+# The curtain's own parameters: unit, help, range. The first ones change while it moves, the others hang it anew.
+_CURTAIN = {
+    "wind": ("m/s", "into the room, perpendicular to the window", -3.0, 3.0),
+    "gustiness": ("", "share of the wind that comes and goes", 0.0, 1.0),
+    "stretch": ("N/m", "how stiff the threads are along themselves", 200.0, 20000.0),
+    "shear": ("N/m", "how stiff the weave is on the bias", 0.0, 200.0),
+    "bending": ("N m", "how stiff the cloth is to bend", 1e-6, 1e-3),
+    "mass": ("kg/m\u00b2", "of the cloth; sheers 0.03 to 0.1", 0.02, 0.6),
+    "hem": ("", "how much heavier the lowest row is", 1.0, 20.0),
+    "damping": ("1/s", "how fast motion dies away", 0.0, 4.0),
+    "fullness": ("", "width of the cloth over that of the rail", 1.0, 3.0),
+    "pleats": ("", "folds along the rail", 3, 24),
+    "irregularity": ("", "how unequal the folds are", 0.0, 1.0),
+    "drop": ("m", "length of the cloth", 0.5, 2.4),
+    "clearance": ("m", "from the window to the backs of the folds", 0.02, 0.5),
+    "heading": ("", "tape holds the whole upper edge, rings the front of each fold", None, None),
+    "settle": ("s", "without wind before the first frame", 0.0, 5.0),
+}
 
 
 @dataclass(frozen=True)
@@ -45,6 +76,7 @@ class Control:
     kind : "float", "int", "color" (three shares), "triple", "choice", "bool", "text" or "curve"
     low, high : range of the values; None where the field has no limit
     choices : for "choice"
+    log : values of very different size, on a logarithmic scale
     """
 
     name: str
@@ -55,6 +87,7 @@ class Control:
     low: float | None = None
     high: float | None = None
     choices: tuple[str, ...] = ()
+    log: bool = False
 
 
 def controls(model: type[BaseModel], names: tuple[str, ...] | None = None) -> list[Control]:
@@ -73,11 +106,12 @@ def _control(model: type[BaseModel], name: str, field: FieldInfo) -> Control | N
         return None
     unit, text = (field.json_schema_extra or {}).get("unit", ""), field.description or ""
     low, high = _limits([*field.metadata, *inner])
-    if model is Scene:
+    ours = model in (Scene, CurtainScene)
+    if ours:
         unit, text = _SCENE_HELP.get(name, (unit, text))
         low, high = _SCENE_RANGES.get(name, (low, high))
     choices = tuple(get_args(field.annotation)) if kind == "choice" else ()
-    label = name.removesuffix("_deg").replace("_", " ") if model is Scene else name.removesuffix("_deg")
+    label = name.removesuffix("_deg").replace("_", " ") if ours else name.removesuffix("_deg")
     return Control(name, label, kind, unit, text, low, high, choices)
 
 
@@ -120,3 +154,16 @@ def _limits(metadata: list) -> tuple[float | None, float | None]:
 def scene_controls(method: str) -> list[Control]:
     """The controls of a method's own settings."""
     return controls(Scene, METHOD_FIELDS.get(method, ()))
+
+
+def curtain_controls(names: tuple[str, ...] = ()) -> list[Control]:
+    """The controls of the curtain itself (all, or those named), in the order of the table above."""
+    found = {field.name: field for field in fields(CurtainParameters)}
+    out = []
+    for name in names or tuple(_CURTAIN):
+        unit, text, low, high = _CURTAIN[name]
+        default = found[name].default
+        choices = get_args(get_type_hints(CurtainParameters)[name]) if isinstance(default, str) else ()
+        kind = "choice" if choices else "int" if isinstance(default, int) else "float"
+        out.append(Control(name, name, kind, unit, text, low, high, choices, low is not None and high > 90 * low > 0))
+    return out

@@ -9,10 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ..curtain.energy import mean_albedo
+from ..curtain.show import CurtainScene
 from ..environment import Environment, load_environment, rotation_y
 from ..fabric import Fabric, load_fabric
-from ..fit import FitReport, fit_report
+from ..fit import FitReport, fit_report, report_on
 from ..lights import Lights
+from ..lights_file import load_lights
 from ..mesh import Mesh, load_mesh
 from ..precompute import shapes_of
 from ..scene import Scene
@@ -55,12 +58,15 @@ class Resources:
         environment = self._get("env", map_key, lambda: load_environment(scene.env), "reading the environment")
         if mesh is None or environment is None:
             return None
-        report = self._get(
-            "fit",
-            (map_key, scene.lobes),
-            lambda: fit_report(environment, scene.lobes),
-            f"fitting {scene.lobes} lobes to {environment.name}",
-        )
+        light_key = (scene.lights, _stamp(scene.lights)) if scene.lights else (map_key, scene.lobes)
+        if scene.lights:
+            given = self._get("given", light_key, lambda: load_lights(scene.lights), "reading the lights")
+            make, words = lambda: report_on(environment, given), f"comparing the lights with {environment.name}"
+        else:
+            given = True
+            make = lambda: fit_report(environment, scene.lobes)  # noqa: E731
+            words = f"fitting {scene.lobes} lobes to {environment.name}"
+        report = None if given is None else self._get("fit", (map_key, *light_key), make, words)
         if report is None:
             return None
         if scene.method == "paper":
@@ -71,12 +77,22 @@ class Resources:
                 return None
         lights = self._get(
             "lights",
-            (map_key, scene.lobes, scene.env_rotate),
+            (map_key, *light_key, scene.env_rotate),
             lambda: report.lights.rotated(rotation_y(scene.env_rotate)),
             "",
             beside=False,
         )
         return Ready(fabric, mesh, environment, report, lights)
+
+    def ask_curtain(self, scene: CurtainScene, fabric: Fabric) -> Environment | None:
+        """What the curtain needs beside itself: its environment. None while that, or the fabric's albedo (which the
+        tracer then finds in its cache), is still being made. Raises as `ask` does."""
+        self.doing = ""
+        map_key = (scene.env, _stamp(scene.env))
+        environment = self._get("env", map_key, lambda: load_environment(scene.env), "reading the environment")
+        key = fabric.model_dump_json(exclude={"name", "transmission"})
+        albedo = self._get("albedo", key, lambda: mean_albedo(fabric), "the fabric's albedo")
+        return None if albedo is None else environment
 
     def fabric(self, name: str) -> Fabric:
         """A fabric of a name or file, read now (it is a small file)."""

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import moderngl
 from OpenGL import GL
 
 from .. import shader
 from ..color import VIEW_TRANSFORMS
-from ..scene import Scene
 from .refine import Side
 
 Rectangle = tuple[int, int, int, int]  # left, bottom, width, height in pixels
+
+
+class Look(NamedTuple):
+    """How a linear picture is shown. `opaque`: something is behind the cloth everywhere."""
+
+    exposure: float = 0.0
+    view_transform: str = "standard"
+    opaque: bool = True
 
 
 class Screen:
@@ -28,7 +35,7 @@ class Screen:
     def draw(
         self,
         sides: list[Side],
-        scene: Scene,
+        look: Look,
         rectangle: Rectangle,
         compare: Literal["off", "split", "difference"] = "off",
         split: float = 0.5,
@@ -40,10 +47,10 @@ class Screen:
             return
         compare = compare if len(sides) > 1 else "off"
         if compare == "difference":
-            pictures = [self._code(0, sides, scene, difference_scale)]
+            pictures = [self.encode(0, sides, look, difference_scale)]
         else:
             wanted = sides if compare == "split" else sides[:1]
-            pictures = [self._code(number, [side], scene) for number, side in enumerate(wanted)]
+            pictures = [self.encode(number, [side], look) for number, side in enumerate(wanted)]
         screen = self.ctx.detect_framebuffer(0)
         shares = [split, 1.0 - split] if len(pictures) > 1 else [1.0]
         begin = 0.0
@@ -75,11 +82,11 @@ class Screen:
             GL.GL_NEAREST if exact else GL.GL_LINEAR,
         )
 
-    def _code(self, number: int, sides: list[Side], scene: Scene, difference_scale: float = 0.0) -> moderngl.Texture:
+    def encode(self, number: int, sides: list[Side], look: Look, difference_scale: float = 0.0) -> moderngl.Texture:
         """The 8-bit picture of one side, or of the difference of two."""
         size = max((side.texture.size for side in sides), key=lambda size: size[0])
         versions = tuple((side.texture, side.version) for side in sides)
-        key = versions, scene.exposure, scene.view_transform, scene.background, difference_scale
+        key = versions, look, difference_scale
         target = self._codes[number]
         if target is None or target[0].size != size:
             self._free(number)
@@ -95,10 +102,10 @@ class Screen:
             shader.set_uniforms(
                 self._encode,
                 extent=(float(size[0]), float(size[1])),
-                exposure=scene.exposure,
-                view_transform=list(VIEW_TRANSFORMS).index(scene.view_transform),
+                exposure=look.exposure,
+                view_transform=list(VIEW_TRANSFORMS).index(look.view_transform),
                 difference_scale=difference_scale,
-                opaque=scene.background,
+                opaque=look.opaque,
             )
             target[1].use()
             self.ctx.viewport = (0, 0, *size)

@@ -5,15 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from ..curtain.show import CurtainScene
 from ..errors import InputError
-from ..fabric import Fabric, load_fabric
+from ..fabric import Fabric, Transmission, load_fabric
 from ..scene import Scene, View
 
 Compare = Literal["off", "split", "difference"]
+Mode = Literal["cloth", "curtain"]
 # What B takes from A: the two sides show the same view of the same cloth in the same light.
 SHARED = ("mesh", "env", "env_rotate", "size", "exposure", "view_transform", "background", "camera")
 # Moving around is no edit: undo leaves the eye where it is.
 NAVIGATION = ("camera", "size")
+_CURTAIN = CurtainScene()
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,8 @@ class Document:
     compare : whether B is shown, and how
     split : where A ends and B begins, 0 to 1 of the picture's width
     difference_scale : brightness of |A - B|
+    mode : which of the two scenes is shown, `scene` or `curtain`
+    curtain, curtain_origin : the curtain, and its fabric as it was chosen
     """
 
     scene: Scene
@@ -36,6 +41,14 @@ class Document:
     compare: Compare = "off"
     split: float = 0.5
     difference_scale: float = 8.0
+    mode: Mode = "cloth"
+    curtain: CurtainScene = _CURTAIN
+    curtain_origin: str | Fabric = _CURTAIN.fabric
+
+    @property
+    def shown(self) -> Scene | CurtainScene:
+        """The scene that is shown."""
+        return self.scene if self.mode == "cloth" else self.curtain
 
     def sides(self) -> list[Scene]:
         """The scenes to draw: A, and B while it is compared."""
@@ -47,8 +60,12 @@ class Document:
 class Session:
     """A document with its history. Every method either succeeds or raises InputError and leaves all as it was."""
 
-    def __init__(self, scene: Scene):
-        self.document = Document(scene, scene.fabric)
+    def __init__(self, scene: Scene | CurtainScene):
+        if isinstance(scene, Scene):
+            self.document = Document(scene, scene.fabric)
+        else:
+            cloth = Scene()
+            self.document = Document(cloth, cloth.fabric, mode="curtain", curtain=scene, curtain_origin=scene.fabric)
         self._undo: list[Document] = []
         self._redo: list[Document] = []
         self._gesture: str | None = None
@@ -58,17 +75,36 @@ class Session:
 
     @property
     def scene(self) -> Scene:
+        """The cloth's scene, side A."""
         return self.document.scene
 
     @property
+    def curtain(self) -> CurtainScene:
+        return self.document.curtain
+
+    @property
+    def shown(self) -> Scene | CurtainScene:
+        """The scene that is shown."""
+        return self.document.shown
+
+    @property
+    def in_curtain(self) -> bool:
+        return self.document.mode == "curtain"
+
+    @property
     def fabric(self) -> Fabric:
-        """The fabric of side A as it is now."""
-        return self.resolve(self.scene.fabric)
+        """The fabric of what is shown (side A) as it is now."""
+        return self.resolve(self.shown.fabric)
+
+    @property
+    def chosen(self) -> str | Fabric:
+        """The fabric that resets go back to, as it was chosen."""
+        return self.document.curtain_origin if self.in_curtain else self.document.origin
 
     @property
     def origin(self) -> Fabric:
         """The fabric that resets go back to."""
-        return self.resolve(self.document.origin)
+        return self.resolve(self.chosen)
 
     def resolve(self, fabric: str | Fabric) -> Fabric:
         """The Fabric of a name or a file, read once."""
@@ -110,27 +146,64 @@ class Session:
         """Change fields of the scene. Raises InputError for values out of range."""
         self.apply(replace(self.document, scene=self._changed(self.scene, changes)), gesture)
 
+    def edit_curtain(self, gesture: str | None = None, **changes) -> None:
+        """Change fields of the curtain's scene. Raises InputError for values out of range."""
+        self.apply(replace(self.document, curtain=self._changed(self.curtain, changes)), gesture)
+
+    def hang(self, gesture: str | None = None, **changes) -> None:
+        """Change parameters of the curtain itself, wind and stiffness among them. Raises InputError."""
+        try:
+            parameters = replace(self.curtain.curtain, **changes)
+        except InputError as error:
+            raise InputError(str(error).removeprefix("curtain: ")) from None
+        self.edit_curtain(gesture, curtain=parameters)
+
+    def edit_shown(self, gesture: str | None = None, **changes) -> None:
+        """Change fields that both kinds of scene have."""
+        (self.edit_curtain if self.in_curtain else self.edit_scene)(gesture, **changes)
+
+    def choose_mode(self, mode: Mode) -> None:
+        """Show the cloth or the curtain."""
+        self.apply(replace(self.document, mode=mode))
+
     def edit_other(self, gesture: str | None = None, **changes) -> None:
         """Change fields of side B."""
         other = self._changed(self.document.other or self.scene, changes)
         self.apply(replace(self.document, other=other), gesture)
 
     @staticmethod
-    def _changed(scene: Scene, changes: dict) -> Scene:
+    def _changed(scene, changes: dict):
         checked = scene.changed(**changes)
         # Only the changed fields are new objects: whoever compares by identity sees what changed and nothing else.
         return scene.model_copy(update={name: getattr(checked, name) for name in changes})
 
     def choose_fabric(self, fabric: str | Fabric) -> None:
-        """Take another fabric; resets go back to it from now on. Raises InputError when it cannot be read."""
-        self.resolve(fabric)
-        scene = self.scene.model_copy(update={"fabric": fabric})
-        self.apply(replace(self.document, scene=scene, origin=fabric))
+        """Take another fabric; resets go back to it from now on. Raises InputError when it cannot be read.
+
+        In the curtain a fabric without transmission gets that of a white sheer.
+        """
+        value = self.resolve(fabric)
+        if self.in_curtain:
+            fabric = fabric if value.transmission is not None else value.changed(transmission=Transmission())
+        self._take_fabric(fabric, origin=fabric)
 
     def edit_fabric(self, fabric: Fabric, gesture: str | None = None) -> None:
         """Take an edited fabric; one that equals its origin is the origin again."""
-        value = self.document.origin if fabric == self.origin else fabric
-        self.apply(replace(self.document, scene=self.scene.model_copy(update={"fabric": value})), gesture)
+        if self.in_curtain and fabric.transmission is None:
+            raise InputError("the curtain's fabric needs its transmission, which the ray tracer reads")
+        self._take_fabric(self.chosen if fabric == self.origin else fabric, gesture)
+
+    def _take_fabric(self, fabric: str | Fabric, gesture: str | None = None, **origin) -> None:
+        name = "curtain" if self.in_curtain else "scene"
+        scene = self.shown.model_copy(update={"fabric": fabric})
+        if self.in_curtain and origin:
+            origin = {"curtain_origin": origin["origin"]}
+        self.apply(replace(self.document, **{name: scene}, **origin), gesture)
+
+    def edit_transmission(self, gesture: str | None = None, **changes) -> None:
+        """Change fields of the fabric's transmission. Raises InputError for values out of range."""
+        value = (self.fabric.transmission or Transmission()).changed(**changes)
+        self.edit_fabric(self.fabric.changed(transmission=value), gesture)
 
     def edit_yarn(self, index: int, gesture: str | None = None, **changes) -> None:
         """Change fields of one yarn. Raises InputError for values out of range."""
@@ -163,15 +236,21 @@ class Session:
         scene = other.model_copy(update=kept)
         self.apply(replace(self.document, scene=scene, origin=other.fabric, other=self.scene))
 
-    def open(self, scene: Scene) -> None:
-        """Take another scene as a whole. Raises InputError when its fabric cannot be read."""
-        self.resolve(scene.fabric)
-        self.apply(replace(self.document, scene=scene, origin=scene.fabric))
+    def open(self, scene: Scene | CurtainScene) -> None:
+        """Take another scene as a whole and show it. Raises InputError when its fabric cannot be read or does not serve."""
+        fabric = self.resolve(scene.fabric)
+        if isinstance(scene, Scene):
+            self.apply(replace(self.document, scene=scene, origin=scene.fabric, mode="cloth"))
+            return
+        if fabric.transmission is None:
+            raise InputError(f"fabric {fabric.name}: has no [transmission], which the curtain needs; add the table")
+        self.apply(replace(self.document, curtain=scene, curtain_origin=scene.fabric, mode="curtain"))
 
     def move(self, **changes) -> None:
-        """Change camera or size: no step of undo."""
+        """Change camera or size of what is shown: no step of undo."""
         assert set(changes) <= set(NAVIGATION), changes
-        self.document = replace(self.document, scene=self.scene.model_copy(update=changes))
+        name = "curtain" if self.in_curtain else "scene"
+        self.document = replace(self.document, **{name: self.shown.model_copy(update=changes)})
 
     def look(self, view: View) -> None:
         """Take another camera: no step of undo."""
@@ -192,8 +271,11 @@ class Session:
             return False
         document, present = source.pop(), self.document
         target.append(present)
-        kept = {name: getattr(present.scene, name) for name in NAVIGATION}
-        self.document = replace(document, scene=document.scene.model_copy(update=kept))
+        self.document = replace(
+            document,
+            scene=_seen_from(document.scene, present.scene),
+            curtain=_seen_from(document.curtain, present.curtain),
+        )
         self._gesture = None
         return True
 
@@ -201,3 +283,9 @@ class Session:
         """Take back the last edit because what it asks for cannot be shown; it cannot be redone."""
         if self.undo():
             self._redo.pop()
+
+
+def _seen_from(scene, present):
+    """A scene of the past with the camera and the size of the present one."""
+    kept = {name: getattr(present, name) for name in NAVIGATION}
+    return scene if all(getattr(scene, n) == v for n, v in kept.items()) else scene.model_copy(update=kept)

@@ -1,0 +1,193 @@
+"""Files in and out of the window: opened by what they are, saved, copied as a command or a script, and watched."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import glfw
+import numpy as np
+
+from .. import __version__
+from ..color import srgb_decode
+from ..curtain.show import CurtainScene, load_curtain_scene
+from ..errors import InputError
+from ..fabric import save_fabric
+from ..image import check_output, read_settings, write_image
+from ..renderer import METHODS
+from ..scene import Scene, load_scene, save_scene
+from . import sharing
+from .dialogs import Dialogs
+from .watch import SHADERS, Watcher
+
+if TYPE_CHECKING:
+    from .app import App
+
+OPENABLE = [
+    "Fabrics, scenes, lights, meshes, environments, pictures",
+    "*.toml *.json *.obj *.ply *.glb *.gltf *.hdr *.exr *.png",
+]
+
+
+class Files:
+    """What an App reads and writes. Nothing here raises InputError: it becomes a message, and all stays as it was."""
+
+    def __init__(self, app: App, source: str | None = None, watch: bool = False):
+        self.app = app
+        self.source = source  # the scene's file, if any
+        self.dialogs = Dialogs()
+        self._watcher = Watcher() if watch else None
+        self._later: tuple[Path, bool] | None = None  # a picture to save once it is refined
+
+    @property
+    def watching(self) -> bool:
+        return self._watcher is not None
+
+    # -- opening -----------------------------------------------------------------------------------------------------
+
+    def open(self, path: str) -> None:
+        """Open a file by what it is: scene, picture, fabric, lights, mesh or environment."""
+        self.app.attempt(self._open, str(path))
+
+    def choose(self) -> None:
+        """Ask for a file in the desktop's dialog and open it; where there is none the field in the panel serves."""
+        if not self.dialogs.waiting and not self.dialogs.open("Open", OPENABLE, self.open):
+            self.app.tell("note", "no file dialog here (zenity or kdialog): type the path, or drop the file")
+            self.app.panels.focus_path()
+
+    def _open(self, path: str) -> None:
+        kind = sharing.kind_of(path)
+        session = self.app.session
+        if kind == "fabric":
+            self.app.choose_fabric(path)
+        elif kind == "lights":
+            session.choose_mode("cloth")
+            session.edit_scene(lights=path)
+        elif kind == "scene":
+            curtain = load_curtain_scene(path)
+            scene = curtain or load_scene(path)
+            check_shown(scene)
+            session.open(scene)
+            self.source = path
+            self.app.follow = False
+            if curtain is not None:
+                self.app.go_to(frame_of(path))
+        elif kind == "mesh":
+            session.choose_mode("cloth")
+            session.edit_scene(mesh=path)
+        else:
+            session.edit_shown(env=path)
+
+    # -- saving ------------------------------------------------------------------------------------------------------
+
+    def save_scene(self, path: str) -> None:
+        """Write the scene that is shown to a .toml file."""
+        self.app.attempt(self._save_toml, path, lambda target: save_scene(target, self.app.session.shown))
+
+    def save_fabric(self, path: str) -> None:
+        """Write the fabric that is shown to a .toml file."""
+        self.app.attempt(self._save_toml, path, lambda target: save_fabric(target, self.app.session.fabric))
+
+    def _save_toml(self, path: str, save) -> None:
+        target = Path(path.strip()).expanduser()
+        if target.suffix != ".toml":
+            raise InputError(f"{target}: expected a name that ends in .toml")
+        save(target)
+        self.app.tell("note", f"wrote {target}")
+
+    def save_picture(self, path: str, panels: bool = False) -> None:
+        """Write the picture (.png, .exr) once it is refined, or the window as it is (.png)."""
+        self.app.attempt(self._save_picture, path, panels)
+
+    def _save_picture(self, path: str, panels: bool) -> None:
+        target = check_output(Path(path.strip()).expanduser())
+        if panels and target.suffix.lower() != ".png":
+            raise InputError(f"{target}: the window with its panels is saved as .png")
+        if self.app.session.in_curtain and self.app.player.playing:
+            self.app.toggle_play()
+        if self.app.complete:
+            self._write(target, panels)
+        else:
+            self._later = target, panels
+            self.app.tell("note", f"{target} will be written as soon as the picture is refined")
+
+    def save_later(self) -> None:
+        """The picture is refined: write what waited for that."""
+        if self._later is not None:
+            later, self._later = self._later, None
+            self.app.attempt(self._write, *later)
+
+    def picture(self) -> np.ndarray:
+        """What `render` returns for the scene: float32 [H, W, 3 or 4], linear, top row first; once refined."""
+        scene = self.app.session.shown
+        texture = self.app.drawer.sides[0].texture
+        data = np.frombuffer(texture.read(), "f4").reshape(scene.size[1], scene.size[0], 4)[::-1]
+        return data.copy() if not getattr(scene, "background", True) else data[..., :3].copy()
+
+    def _write(self, path: Path, panels: bool) -> None:
+        scene = self.app.session.shown
+        settings = {"glcloth": __version__, **sharing.stored(scene, self.app.frame)}
+        if panels:
+            write_image(path, srgb_decode(self.app.screen() / 255.0), settings)
+        else:
+            look = {"exposure": scene.exposure, "view_transform": scene.view_transform}
+            write_image(path, self.picture(), settings, **look)
+        touched = "curtain" in settings and self.app.player.touched
+        warning = "; wind or cloth changed while it moved: opened again it hangs otherwise" if touched else ""
+        self.app.tell("note", f"wrote {path}{warning}")
+
+    def copy_command(self) -> None:
+        """Put a command line that renders the picture into the clipboard."""
+        self._copy(sharing.as_command(self.app.session.shown, frame=self.app.frame), "a command line")
+
+    def copy_python(self) -> None:
+        """Put a Python script that renders the picture into the clipboard."""
+        self._copy(sharing.as_python(self.app.session.shown, frame=self.app.frame), "a Python script")
+
+    def _copy(self, text: str, what: str) -> None:
+        glfw.set_clipboard_string(self.app.host.window, text)
+        self.app.tell("note", f"copied {what}")
+
+    # -- files that change -------------------------------------------------------------------------------------------
+
+    def watch(self) -> None:
+        """Read again what has changed on disk."""
+        if self._watcher is None:
+            return
+        session = self.app.session
+        shown = session.shown
+        names = [getattr(shown, name, None) for name in ("mesh", "env", "lights", "room")]
+        names += [self.source, session.chosen]
+        for name in self._watcher.changed({n for n in names if isinstance(n, str) and Path(n).is_file()}):
+            if name == SHADERS:
+                self.app.reload_shaders()
+            elif name == session.chosen:
+                self.app.attempt(self._reread_fabric, name)
+            elif name == self.source:
+                self.open(name)
+            self.app.look_again()
+
+    def _reread_fabric(self, name: str) -> None:
+        self.app.session.reread(name)
+        self.app.session.choose_fabric(name)
+        self.app.forget()
+
+    def close(self) -> None:
+        """Close a dialog that is still open."""
+        self.dialogs.close()
+
+
+def check_shown(scene: Scene | CurtainScene) -> None:
+    """Raise InputError for a scene that the window cannot show."""
+    if isinstance(scene, Scene) and scene.method not in METHODS:
+        raise InputError(
+            f"method {scene.method}: the window shows {', '.join(METHODS)}, and the curtain: glcloth view curtain"
+        )
+
+
+def frame_of(path: str | Path | None) -> int:
+    """The frame of the moving curtain that a picture of ours shows; 0 for anything else."""
+    if path is None or Path(path).suffix.lower() not in (".png", ".exr") or not Path(path).is_file():
+        return 0
+    frame = (read_settings(path) or {}).get("frame", 0)
+    return frame if isinstance(frame, int) and 0 <= frame <= 100_000 else 0

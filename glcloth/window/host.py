@@ -1,0 +1,163 @@
+"""The window of the operating system: glfw, its OpenGL context, and imgui on it. Knows nothing of cloth."""
+
+from __future__ import annotations
+
+import ctypes
+import gc
+from collections.abc import Callable
+from pathlib import Path
+
+# imgui-bundle first: it brings the glfw library that both then share.
+import imgui_bundle  # isort: skip
+from imgui_bundle import imgui, implot  # isort: skip
+import glfw
+import moderngl
+import numpy as np
+from OpenGL import GL
+
+from ..context import REQUIRED, is_software
+from ..errors import NoOpenGLError
+
+FONT = 16.0  # points
+
+
+class Host:
+    """One window with panels. `window` is glfw's, `ctx` its moderngl context, `scale` points per pixel at 96 dpi.
+
+    Parameters
+    ----------
+    size : width and height in points; no larger than the screen
+    heard : called at any event
+    typed : called with (name on the key, glfw key, modifiers, repeated) when a key goes down
+    dropped : called with the paths of files that are dropped on the window
+
+    Raises NoOpenGLError without a display or OpenGL 4.3.
+    """
+
+    def __init__(
+        self,
+        size: tuple[int, int],
+        heard: Callable[[], None],
+        typed: Callable[[str, int, int, bool], None],
+        dropped: Callable[[list[str]], None],
+    ):
+        glfw.ERROR_REPORTING = "ignore"
+        if not glfw.init():
+            raise NoOpenGLError(
+                f"no display for a window ({_reason() or 'glfw does not start'}); `glcloth render` needs none, "
+                "or set DISPLAY or WAYLAND_DISPLAY"
+            )
+        context_hints()
+        glfw.window_hint(glfw.SCALE_TO_MONITOR, glfw.TRUE)
+        monitor = glfw.get_primary_monitor()
+        _, _, width, height = glfw.get_monitor_workarea(monitor) if monitor else (0, 0, 1920, 1080)
+        self.window = glfw.create_window(min(size[0], width), min(size[1], height), "glcloth", None, None)
+        if not self.window:
+            reason = _reason()
+            glfw.terminate()
+            raise NoOpenGLError(
+                f"no window with OpenGL {REQUIRED // 100}.{REQUIRED // 10 % 10} ({reason}); `glcloth render` finds "
+                "other devices, `glcloth info` lists them"
+            )
+        glfw.make_context_current(self.window)
+        self.ctx = moderngl.create_context(require=REQUIRED)
+        self.software = is_software(self.ctx)
+        # Software rendering is late already; waiting for the screen as well would halve its rate.
+        glfw.swap_interval(0 if self.software else 1)
+        self.ctx.gc_mode = "context_gc"
+        self._heard, self._typed, self._dropped = heard, typed, dropped
+        self._listen()
+        self._start_imgui()
+
+    def _listen(self) -> None:
+        for listen in (
+            glfw.set_cursor_pos_callback,
+            glfw.set_mouse_button_callback,
+            glfw.set_scroll_callback,
+            glfw.set_char_callback,
+            glfw.set_window_focus_callback,
+            glfw.set_window_refresh_callback,
+            glfw.set_framebuffer_size_callback,
+        ):
+            listen(self.window, lambda *_: self._heard())
+        glfw.set_key_callback(self.window, self._key)
+        glfw.set_drop_callback(self.window, self._drop)
+
+    def _start_imgui(self) -> None:
+        imgui.create_context()
+        implot.create_context()
+        imgui.get_io().set_ini_filename("")
+        self.scale = glfw.get_window_content_scale(self.window)[0]
+        frame, screen = glfw.get_framebuffer_size(self.window), glfw.get_window_size(self.window)
+        if frame[0] != screen[0]:
+            self.scale = 1.0  # points: imgui scales by itself
+        font = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf"
+        if font.is_file():
+            imgui.get_io().fonts.add_font_from_file_ttf(str(font), FONT)
+        imgui.get_style().scale_all_sizes(self.scale)
+        imgui.get_style().font_scale_dpi = self.scale
+        address = ctypes.cast(self.window, ctypes.c_void_p).value
+        imgui.backends.glfw_init_for_opengl(address, True)
+        imgui.backends.opengl3_init("#version 330")
+
+    def _key(self, _, key: int, scancode: int, action: int, mods: int) -> None:
+        self._heard()
+        if action != glfw.RELEASE:
+            name = glfw.get_key_name(key, scancode) or ""
+            self._typed(name.lower(), key, mods, action == glfw.REPEAT)
+
+    def _drop(self, _, paths) -> None:
+        self._heard()
+        self._dropped(list(paths))
+
+    @property
+    def framebuffer_size(self) -> tuple[int, int]:
+        return glfw.get_framebuffer_size(self.window)
+
+    @property
+    def pixels_per_point(self) -> float:
+        return self.framebuffer_size[0] / (glfw.get_window_size(self.window)[0] or 1)
+
+    def draw_panels(self) -> None:
+        """Draw imgui's panels over the window."""
+        imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
+
+    def pixels(self) -> np.ndarray:
+        """What was drawn and not yet shown: uint8 [H, W, 3], top row first."""
+        size = self.framebuffer_size
+        self.ctx.detect_framebuffer(0).use()
+        GL.glReadBuffer(GL.GL_BACK)
+        GL.glPixelStorei(GL.GL_PACK_ALIGNMENT, 1)
+        data = GL.glReadPixels(0, 0, *size, GL.GL_RGB, GL.GL_UNSIGNED_BYTE)
+        return np.frombuffer(data, "u1").reshape(size[1], size[0], 3)[::-1].copy()
+
+    def collect(self) -> None:
+        """Free what Python has dropped; what was released by hand is in moderngl's list as well, as an empty shell."""
+        while self.ctx.objects:
+            thing = self.ctx.objects.popleft()
+            if hasattr(thing, "release"):
+                thing.release()
+
+    def close(self) -> None:
+        """Close the window."""
+        imgui.backends.opengl3_shutdown()
+        imgui.backends.glfw_shutdown()
+        implot.destroy_context()
+        imgui.destroy_context()
+        gc.collect()
+        self.collect()
+        glfw.destroy_window(self.window)
+        glfw.terminate()
+
+
+def context_hints() -> None:
+    """Ask glfw for the OpenGL that we need, for the next window."""
+    glfw.default_window_hints()
+    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, REQUIRED // 100)
+    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, REQUIRED // 10 % 10)
+    glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
+
+
+def _reason() -> str:
+    _, reason = glfw.get_error()
+    return reason.decode(errors="replace") if isinstance(reason, bytes) else reason or ""

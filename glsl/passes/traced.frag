@@ -1,0 +1,13 @@
+#version 430
+// Copies a traced picture for the window: what has no sample yet shows the picture before, in whatever size that one is.
+layout(std430, binding = 0) readonly buffer Picture { vec4 picture[]; };  // sum / samples in all; samples added
+layout(binding = 1) uniform sampler2D shown;
+uniform ivec2 size;
+uniform float samples;  // in all
+out vec4 color;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 sum = picture[(size.y - 1 - pixel.y) * size.x + pixel.x];
+    color = vec4(sum.a > 0.0 ? sum.rgb * (samples / sum.a) : textureLod(shown, gl_FragCoord.xy / vec2(size), 0.0).rgb, 1.0);
+}
