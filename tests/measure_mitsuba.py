@@ -1,6 +1,6 @@
 """The reference with shadows against Mitsuba 3: the same cloth, camera and lights, a Lambertian in place of the fabric.
 
-python tests/measure_mitsuba.py [ENVIRONMENT...] [--mesh drape] [--size 120x90] [--cube 32] [--samples 8] [--spp 4096]
+python tests/measure_mitsuba.py [ENVIRONMENT...] [--mesh drape] [--size 80x60] [--cube 32] [--samples 8] [--spp 4096]
 
 Needs the optional extra `check` (`pip install 'glcloth[check]'`: Mitsuba 3). Mitsuba gets the mesh as a file, its own
 camera, the sum of the Gaussians as an environment map, the suns as directional emitters, and its path tracer. Two rows
@@ -95,7 +95,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("environments", nargs="*", default=["studio", "sky"])
     parser.add_argument("--mesh", default="drape")
-    parser.add_argument("--size", default="120x90")
+    parser.add_argument("--size", default="80x60")
     parser.add_argument("--cube", type=int, default=32)
     parser.add_argument("--samples", type=int, default=8, help="of ours a pixel")
     parser.add_argument("--spp", type=int, default=4096, help="samples of Mitsuba's a pixel")
@@ -118,8 +118,8 @@ def main():
             base = dict(env=environment, size=options.size, background=False, method="reference", cube=options.cube)
             base["spp"] = options.samples
             for light, max_depth, changes in (
-                ("direct", 2, {"shadows": "full"}),
-                ("direct and one bounce", 3, {"shadows": "full", "bounce": True}),
+                ("direct", 2, {"shadows": "full", "bounce": False}),
+                ("direct and one bounce", 3, {"shadows": "full"}),
             ):
                 frame = renderer.prepare(mesh=mesh, **base, **changes)
                 picture = renderer.render_frame(frame)
