@@ -94,6 +94,7 @@ class Renderer:
         self._finer: tuple[Mesh, Mesh] | None = None  # a mesh, and what it is drawn as with shadows
         self._occluders: tuple | None = None  # mesh, triangles, structure
         self._fit: tuple | None = None  # environment, lobes, lights
+        self._rotated: tuple | None = None  # lights, degrees, lights turned
         self._files: dict = {}
         self._adaptive: AdaptiveRate | None = None
         self._gbuffer: GBuffer | None = None
@@ -137,7 +138,7 @@ class Renderer:
         if lights is None and scene.lights:
             lights = load_lights(scene.lights).rotated(rotation)
         elif lights is None:
-            lights = self._fitted(environment, scene.lobes).rotated(rotation)
+            lights = self._turned(self._fitted(environment, scene.lobes), scene.env_rotate)
         settings = Settings(
             scene.quality,
             scene.segments,
@@ -165,6 +166,12 @@ class Renderer:
         if self._fit is None or self._fit[0] is not environment or self._fit[1] != lobes:
             self._fit = environment, lobes, fit_lights(environment, lobes)
         return self._fit[2]
+
+    def _turned(self, lights: Lights, degrees: float) -> Lights:
+        """Lights turned about +Y; the same object while nothing changes, so that what follows from it is kept."""
+        if self._rotated is None or self._rotated[0] is not lights or self._rotated[1] != degrees:
+            self._rotated = lights, degrees, lights.rotated(rotation_y(degrees))
+        return self._rotated[2]
 
     # -- from a frame to pixels ----------------------------------------------------------------------------------
 
@@ -286,7 +293,7 @@ class Renderer:
         if self._shadows is None:
             self._shadows = Shadows(self.ctx)
         structure = self.occluders(frame.mesh)
-        self._shadows.prepare(mode, self._drawn_mesh(frame), frame.mesh, structure, frame.lights)
+        self._shadows.prepare(mode, self._drawn_mesh(frame), frame.mesh, structure, frame.lights, frame.scene.bounce)
         return self._shadows
 
     def _drawn_mesh(self, frame: Frame) -> Mesh:

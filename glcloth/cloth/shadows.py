@@ -40,10 +40,10 @@ class Shadows:
 
     # -- what is seen ------------------------------------------------------------------------------------------------
 
-    def prepare(self, mode: Mode, mesh: Mesh, original: Mesh, structure, lights: Lights) -> None:
+    def prepare(self, mode: Mode, mesh: Mesh, original: Mesh, structure, lights: Lights, bounce: bool = True) -> None:
         """Choose what hides what. `mesh` is the one that is drawn, `original` what it was subdivided from, `structure`
         what hides light."""
-        self._mode, self._structure, self._lights = mode, structure, lights
+        self._mode, self._structure, self._lights, self._bounce = mode, structure, lights, bounce
         if mode == "full" and self._mesh is not mesh:
             self.vertices.start(mesh, structure, original)
             self._mesh = mesh
@@ -73,11 +73,13 @@ class Shadows:
             self.vertices.integrate(lights, getattr(method, "broad", np.zeros(len(lights.gaussians))))
         seen = buffer.reserve_seen(self._sun_layer + len(lights.suns))
         self._seen = seen
-        state = buffer.drawn, self._mode, self._structure, lights, seen, self.vertices.version if full else 0
+        state = buffer.drawn, self._mode, self._structure, seen, self.vertices.version if full else 0
         before = self._filled.get(buffer)
-        if before is not None and all(a is b or a == b for a, b in zip(before, state, strict=True)):
+        # Lights have no truth value for ==; they are frozen, so the same object is the same light.
+        if before is not None and before[0] is lights and before[1] == state:
             return
-        self._filled = {key: value for key, value in self._filled.items() if key.seen is not None} | {buffer: state}
+        kept = {key: value for key, value in self._filled.items() if key.seen is not None}
+        self._filled = kept | {buffer: (lights, state)}
         mesh = buffer.drawn[0]
         buffer.bind_points(None)
         seen.bind_to_image(0, read=False, write=True)
@@ -102,7 +104,7 @@ class Shadows:
 
     def bind(self, program, fabric: Fabric, shared: SceneBuffers) -> None:
         """Bind what passes/seen_pixels.glsl reads of the G-buffer that was looked at last."""
-        rho = self.albedo(fabric, shared) if self._mode == "full" else np.zeros(3)
+        rho = self.albedo(fabric, shared) if self._mode == "full" and self._bounce else np.zeros(3)
         self._seen.use(SEEN_UNIT)
         shader.set_uniforms(
             program, broad_layer=self._broad_layer, sun_layer=self._sun_layer, rho=tuple(map(float, rho))
