@@ -2,31 +2,49 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
 
 from ..mesh import Mesh
 
-MOST_PROBES = 8_000
+MOST_PROBES = 32_000
+MOST_VERTICES = 16_000  # by subdivision
+# Up to so many probes each traces all directions, or a half, a quarter, an eighth; its neighbours know the others.
+WHOLE, HALF, QUARTER = 6_000, 12_000, 32_000
 LONGEST_EDGE = 1 / 24  # of the mesh's radius: what folds are wide enough to have five vertices across is not known
 OFFSET = 0.06  # of a vertex's mean edge: how far rays start from it
 
 
 @dataclass(frozen=True, eq=False)
 class Probes:
-    """Points [P, 3] and unit normals [P, 3] of a sheet; offset [P, 2], how far off the front and the back rays start;
-    between [V, 4] and weight [V, 4], the probes that each vertex of the mesh lies between."""
+    """Points of a sheet that look around, and how the vertices of a mesh share what they see.
+
+    Parameters
+    ----------
+    points, normals : [P, 3]
+    offset : [P, 2] how far off the front and the back rays start
+    first : [C + 1] where each class of probes begins, and P; each class has its own share of the directions
+    spread : [V, P] sparse; a row's weights sum to 1 in each class that it has
+    vertices : [P] the vertex that each probe is
+    """
 
     points: np.ndarray
     normals: np.ndarray
     offset: np.ndarray
-    between: np.ndarray
-    weight: np.ndarray
+    first: np.ndarray
+    spread: sparse.csr_array
+    vertices: np.ndarray
+
+    def moved(self, mesh: Mesh) -> Probes:
+        """The same probes after the vertices of the mesh moved."""
+        return replace(
+            self, points=mesh.positions[self.vertices].astype(float), normals=mesh.normals[self.vertices].astype(float)
+        )
 
 
-def subdivided(mesh: Mesh, longest: float = LONGEST_EDGE, most: int = MOST_PROBES) -> Mesh:
+def subdivided(mesh: Mesh, longest: float = LONGEST_EDGE, most: int = MOST_VERTICES) -> Mesh:
     """The same surface with every triangle cut into four until no edge is longer than `longest` radii or there would be
     more than `most` vertices; the mesh itself where it is fine enough."""
     limit = longest * mesh.radius
@@ -57,12 +75,17 @@ def subdivided(mesh: Mesh, longest: float = LONGEST_EDGE, most: int = MOST_PROBE
         )
 
 
-def place_probes(mesh: Mesh, original: Mesh | None = None, most: int = MOST_PROBES) -> Probes:
+def place_probes(
+    mesh: Mesh, original: Mesh | None = None, most: int = MOST_PROBES, classes: int | None = None
+) -> Probes:
     """Probes at the vertices of a mesh, or, where these are more than `most`, at a part of them so that none is farther
     than one edge from the next.
 
-    `original`: the mesh that was `subdivided` into this one, whose flat triangles hide light: probes are lifted off
-    them to the curved surface that its normals tell of.
+    Parameters
+    ----------
+    original : the mesh that was `subdivided` into this one, whose flat triangles hide light: probes are lifted off them
+        to the curved surface that its normals tell of
+    classes : 1, 2, 4 or 8; None: by the number of probes
     """
     count = len(mesh.positions)
     edges = _edges(mesh.triangles)
@@ -74,7 +97,7 @@ def place_probes(mesh: Mesh, original: Mesh | None = None, most: int = MOST_PROB
     if original is not None and original is not mesh:
         offset += _lift(mesh, original)
     graph = sparse.coo_array((np.ones(len(edges)), (a, b)), shape=(count, count)).tocsr()
-    graph = graph + graph.T
+    graph = (graph + graph.T).tocsr()
     chosen = np.arange(count)
     spread = sparse.eye_array(count, format="csr")
     while len(chosen) > most:
@@ -86,10 +109,49 @@ def place_probes(mesh: Mesh, original: Mesh | None = None, most: int = MOST_PROB
         graph.eliminate_zeros()
         graph = graph.tocsr()
         chosen = chosen[kept]
-    between, weight = _largest(spread.tocsr(), 4)
+    number = len(chosen)
+    if classes is None:
+        classes = 1 if number <= WHOLE else 2 if number <= HALF else 4 if number <= QUARTER else 8
+    graph.data[:] = 1.0
+    if classes > 4:  # one step reaches seven probes or so, two steps nineteen
+        graph = (graph + 0.3 * (graph @ graph)).tocsr()
+        graph.setdiag(0.0)
+        graph.eliminate_zeros()
+        graph.data[:] = np.where(graph.data >= 1.0, 1.0, 0.3)
+    kind = _classes(graph, classes)
+    if classes > 1:
+        spread = spread @ (sparse.eye_array(number) + 0.5 * graph)
+    order = np.argsort(kind, kind="stable")
+    chosen, kind = chosen[order], kind[order]
+    spread = _shared_evenly(spread.tocsr()[:, order].tocoo(), kind, classes)
+    first = np.searchsorted(kind, np.arange(classes + 1))
     return Probes(
-        mesh.positions[chosen].astype(float), mesh.normals[chosen].astype(float), offset[chosen], between, weight
+        mesh.positions[chosen].astype(float), mesh.normals[chosen].astype(float), offset[chosen], first, spread, chosen
     )
+
+
+def _classes(graph, classes: int) -> np.ndarray:
+    """A class [P] for each node, so that neighbours are of different ones where that can be."""
+    count = graph.shape[0]
+    random = np.random.default_rng(2)
+    kind = random.integers(0, classes, count)
+    rows = np.repeat(np.arange(count), np.diff(graph.indptr))
+    for sweep in range(12 if classes > 1 else 0):
+        at = rows * classes + kind[graph.indices]
+        crowd = np.bincount(at, graph.data, count * classes).reshape(count, classes)
+        crowd += 0.01 * random.random((count, classes))
+        best = crowd.argmin(1)
+        # Not all at once, or neighbours would change places for ever.
+        change = random.random(count) < (0.5 if sweep < 8 else 0.25)
+        kind = np.where(change & (crowd[np.arange(count), best] < crowd[np.arange(count), kind] - 0.05), best, kind)
+    return kind
+
+
+def _shared_evenly(matrix, kind: np.ndarray, classes: int):
+    """The rows of a matrix so scaled that each class that a row has weighs 1."""
+    group = matrix.row * classes + kind[matrix.col]
+    sums = np.bincount(group, matrix.data, matrix.shape[0] * classes)
+    return sparse.coo_array((matrix.data / sums[group], (matrix.row, matrix.col)), matrix.shape).tocsr()
 
 
 def _edges(triangles: np.ndarray) -> np.ndarray:
@@ -159,16 +221,3 @@ def _interpolation(graph, kept: np.ndarray, points: np.ndarray):
     matrix = matrix + sparse.coo_array((np.ones(len(kept)), (kept, np.arange(len(kept)))), matrix.shape).tocsr()
     matrix.eliminate_zeros()
     return sparse.diags_array(1.0 / matrix.sum(1)) @ matrix
-
-
-def _largest(matrix, most: int) -> tuple[np.ndarray, np.ndarray]:
-    """The columns [V, most] and values of the largest entries of each row, scaled to sum 1."""
-    count = matrix.shape[0]
-    matrix = matrix.tocoo()
-    order = np.lexsort((-matrix.data, matrix.row))
-    row, column, value = matrix.row[order], matrix.col[order], matrix.data[order]
-    place = np.arange(len(row)) - np.searchsorted(row, np.arange(count))[row]
-    few = place < most
-    between, weight = np.zeros((count, most), np.int32), np.zeros((count, most))
-    between[row[few], place[few]], weight[row[few], place[few]] = column[few], value[few]
-    return between, weight / weight.sum(1, keepdims=True)

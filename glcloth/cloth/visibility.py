@@ -17,19 +17,19 @@ from .probes import Probes, place_probes
 
 DIRECTIONS = 256
 WORD = 32
-FEWEST = 16  # directions that must be traced before there is a mean
+FEWEST = 16  # directions of each probe that must be traced before there is a mean
 BROAD_LAYERS = 6
 NARROW = 30.0  # sharpness from which a Gaussian has directions of its own,
-OWN = 8  # so many
+OWN = 16  # so many, of all classes together
 NEAREST_LAYER = 1 / 3  # of the way to the next layer of cloth: how far rays may start from their own
 
 
 class VertexVisibility:
     """V_0 and V_k of the front and the back of every vertex of one mesh.
 
-    `start` takes a mesh, `step` traces some directions (`done` says how many are), `sharpen` those that the narrow
-    Gaussians of some lights have of their own, `integrate` makes the means under these lights, which then lie in `means`:
-    of each vertex front and back, of each side `groups` words of four unorm8: V_0, V_1 .. V_K.
+    `start` takes a mesh, `steps` traces (`done` says how many fixed directions of each probe are), `integrate` makes the
+    means under some lights, which then lie in `means`: of each vertex front and back, of each side `groups` words of
+    four unorm8: V_0, V_1 .. V_K, and six of the broad light if asked for.
     """
 
     def __init__(self, ctx):
@@ -40,43 +40,61 @@ class VertexVisibility:
         self._programs: dict[str, object] = {}
         self._queries = RayQueries(ctx)
         self._probe_data = TextureBuffer(ctx, 32)
-        self._between_data = TextureBuffer(ctx, 32, "rgba32ui")
+        self._row_data = TextureBuffer(ctx, 8, "rg32ui")
+        self._spread_data = TextureBuffer(ctx, 8, "rg32ui")
         self._bits = TextureBuffer(ctx, 4, "r32ui")
-        self._table = TextureBuffer(ctx, 16)
-        self._probe_means = TextureBuffer(ctx, 4, "r32ui")
-        self._vertex_means = TextureBuffer(ctx, 4, "r32ui")
+        self._entries = TextureBuffer(ctx, 16)
+        self._sums = TextureBuffer(ctx, 4, "r32ui")
+        self.means = TextureBuffer(ctx, 4, "r32ui")
+        self._direction_data = TextureBuffer(ctx, 16 * DIRECTIONS)
         # As float32, so that the twin and the table see what the rays follow.
         self.directions = world_directions(DIRECTIONS).astype("f4").astype(float)
-        self._direction_data = TextureBuffer(ctx, 16 * DIRECTIONS)
-        self._structure = self._lights = self._sharp = None
-        self._state = None
+        self._structure = self._lights = self._sharp = self._state = None
+        self._traced: list[np.ndarray] = []  # of each class: its fixed directions, then those of narrow Gaussians
 
-    def start(self, mesh: Mesh, structure, original: Mesh | None = None) -> None:
+    def start(self, mesh: Mesh, structure, original: Mesh | None = None, classes: int | None = None) -> None:
         """Forget what was seen and look out from another mesh.
 
         Parameters
         ----------
         structure : built, over the triangles that hide light (`glcloth.accel`)
-        original : see `place_probes`
+        original, classes : see `place_probes`
         """
-        self.start_at(place_probes(mesh, original), structure)
+        self.start_at(place_probes(mesh, original, classes=classes), structure)
 
     def start_at(self, probes: Probes, structure) -> None:
         """As `start`, from given probes."""
         self.probes, self._structure = probes, structure
         self.done, self._lights, self._sharp, self._state = 0, None, None, None
+        self._upload_probes(self._offset_between_layers())
         count = len(probes.points)
-        offset = self._offset_between_layers()
-        records = np.zeros((count, 2, 4), "f4")
+        self._bits.write(np.zeros((self.share // WORD, count), "u4"))
+        self._write_directions([])
+        spread = probes.spread
+        self._row_data.write(np.stack([spread.indptr[:-1], spread.indptr[1:]], 1).astype("u4"))
+        self._spread_data.write(np.stack([spread.indices.astype("u4"), spread.data.astype("f4").view("u4")], 1))
+
+    def move(self, mesh: Mesh, structure, count: int = 8) -> None:
+        """Follow the mesh to a new pose: what was seen stays, but for `count` of each probe's directions, which are
+        traced again; the oldest first. All of them, if not all were traced before."""
+        self.probes, self._structure = self.probes.moved(mesh), structure
+        self._upload_probes(self.probes.offset)
+        self._sharp = None
+        if not self.complete:
+            for _ in self.steps():
+                pass
+            self._turn = 0
+        else:
+            self._trace(self._turn, self._turn + count)
+            self._turn = (self._turn + count) % self.share
+        self._state = None
+
+    def _upload_probes(self, offset: np.ndarray) -> None:
+        probes = self.probes
+        records = np.zeros((len(probes.points), 2, 4), "f4")
         records[:, 0, :3], records[:, 1, :3] = probes.points, probes.normals
         records[:, 0, 3], records[:, 1, 3] = offset.T
         self._probe_data.write(records)
-        self._bits.write(np.zeros((DIRECTIONS // WORD, count), "u4"))
-        self._write_directions(self.directions)
-        self._spread = count < len(probes.between)
-        if self._spread:
-            between = np.concatenate([probes.between.astype("u4"), probes.weight.astype("f4").view("u4")], 1)
-            self._between_data.write(between)
 
     def _offset_between_layers(self) -> np.ndarray:
         """The probes' offsets [P, 2], at most a third of the way to the next layer."""
@@ -90,61 +108,89 @@ class VertexVisibility:
             offset[:, side] = np.minimum(offset[:, side], NEAREST_LAYER * near.t)
         return offset
 
+    # -- tracing -----------------------------------------------------------------------------------------------------
+
+    @property
+    def classes(self) -> int:
+        """How many classes the probes are of."""
+        return len(self.probes.first) - 1
+
+    @property
+    def share(self) -> int:
+        """Fixed directions of each class."""
+        return max(DIRECTIONS // self.classes, WORD)
+
     @property
     def complete(self) -> bool:
-        """True when all directions are traced."""
-        return self.done == DIRECTIONS
+        """True when all fixed directions are traced."""
+        return self.done == self.share
 
-    def _write_directions(self, directions: np.ndarray) -> None:
-        self._traced = directions
-        padded = np.zeros((len(directions), 4), "f4")
-        padded[:, :3] = directions
+    def _write_directions(self, own: list[np.ndarray]) -> None:
+        """Upload the directions of each class: its own share of the fixed ones, and of each array in `own`."""
+        C = self.classes
+        self._traced = [
+            np.concatenate([self.directions[c * self.share :][: self.share], *(d[c::C] for d in own)])
+            .astype("f4")
+            .astype(float)
+            for c in range(C)
+        ]
+        padded = np.zeros((C, len(self._traced[0]), 4), "f4")
+        padded[..., :3] = self._traced
         self._direction_data.write(padded)
 
-    def step(self, count: int = WORD) -> int:
-        """Trace at most `count` more directions, to the next multiple of 32 at most; returns how many."""
-        first = self.done
-        last = min(first + count, (first // WORD + 1) * WORD, DIRECTIONS)
-        if last > first:
-            self._trace(first, last)
-            self.done = last
-        return last - first
-
     def _trace(self, first: int, last: int) -> None:
+        """Trace directions number first to last - 1 of every class, all in one word of bits."""
         program = self._program("trace", {"accel.glsl": self._structure.source})
         self._structure.bind(program)
         self._probe_data.bind(11)
         self._direction_data.bind(12)
         self._bits.buffer.bind_to_storage_buffer(0)
-        self._run(program, len(self.probes.points), first_direction=first, last_direction=last)
+        for c in range(self.classes):
+            self._run(
+                program,
+                *self.probes.first[c : c + 2],
+                direction_base=c * len(self._traced[0]),
+                first_direction=first,
+                last_direction=last,
+            )
+        self.ctx.memory_barrier()
+
+    def step(self, count: int = WORD) -> int:
+        """Trace at most `count` more directions of each probe; returns how many."""
+        first = self.done
+        last = min(first + count, (first // WORD + 1) * WORD, self.share)
+        if last > first:
+            self._trace(first, last)
+            self.done = last
+        return last - first
 
     def steps(self, lights: Lights | None = None, count: int = WORD) -> Iterator[int]:
         """What is left to trace, `count` directions at a time: the fixed ones, then those of the narrow Gaussians of
-        `lights`. Yields after each step how many are traced."""
+        `lights`. Yields after each step how many of each probe's are traced."""
         while not self.complete:
             self.step(count)
             self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
             yield self.done
-        yield from self._sharpen(lights, count) if lights is not None else ()
-
-    def _sharpen(self, lights: Lights, count: int) -> Iterator[int]:
-        if self._sharp is lights:
+        if lights is None or self._sharp is lights:
             return
         gaussians = lights.gaussians
-        narrow = np.flatnonzero(gaussians.sharpness >= NARROW)
-        own = [own_directions(gaussians.axis[k], gaussians.sharpness[k], OWN) for k in narrow]
         self._sharp = None
-        self._write_directions(np.concatenate([self.directions, *own]).astype("f4").astype(float))
-        words = -(-len(self._traced) // WORD)
-        self._grow_bits(words)
-        first = DIRECTIONS
-        while first < len(self._traced):
-            last = min(first + count, (first // WORD + 1) * WORD, len(self._traced))
+        self._narrow = np.flatnonzero(gaussians.sharpness >= NARROW)
+        self._write_directions([own_directions(gaussians.axis[k], gaussians.sharpness[k], OWN) for k in self._narrow])
+        self._grow_bits(-(-len(self._traced[0]) // WORD))
+        first = self.share
+        while first < len(self._traced[0]):
+            last = min(first + count, (first // WORD + 1) * WORD, len(self._traced[0]))
             self._trace(first, last)
             self.ctx.finish()
             first = last
             yield last
-        self._sharp, self._narrow = lights, narrow
+        self._sharp = lights
+
+    def total(self, lights: Lights | None = None) -> int:
+        """How many directions of each probe `steps` traces in all."""
+        narrow = int((lights.gaussians.sharpness >= NARROW).sum()) if lights is not None else 0
+        return self.share + narrow * OWN // self.classes
 
     def _grow_bits(self, words: int) -> None:
         """Make room for so many words of bits of every probe; keep what is traced."""
@@ -154,9 +200,7 @@ class VertexVisibility:
             self._bits.reserve(size)
             self._bits.write(kept)
 
-    def total(self, lights: Lights | None = None) -> int:
-        """How many directions `steps` traces in all."""
-        return DIRECTIONS + (OWN * int((lights.gaussians.sharpness >= NARROW).sum()) if lights is not None else 0)
+    # -- means -------------------------------------------------------------------------------------------------------
 
     def integrate(self, lights: Lights, broad: np.ndarray | None = None) -> None:
         """Make the means under these lights, from as many directions as are traced; nothing when they are made.
@@ -168,72 +212,91 @@ class VertexVisibility:
         state = self.done, sharp, None if broad is None else broad.tobytes()
         if self._lights is lights and self._state == state:
             return
-        gaussians = lights.gaussians
-        count = len(self.probes.points)
-        table = gaussian_table(self.directions[: self.done], gaussians.axis, gaussians.sharpness)
-        if sharp:
-            own = np.zeros((len(self._traced), table.shape[1]))
-            own[: self.done] = table
-            own[:, 1 + self._narrow] = 0.0
-            for place, k in enumerate(self._narrow):
-                own[DIRECTIONS + OWN * place :][:OWN, 1 + k] = 1.0
-            table = own
-        if broad is not None:
-            table = np.concatenate([table, self._cube_table(lights, broad, len(table))], 1)
-        self.layers = table.shape[1]
+        tables = [self._table(c, lights, broad, sharp) for c in range(self.classes)]
+        self.layers = tables[0].shape[1]
         self.groups = -(-self.layers // 4)
-        self._probe_means.reserve(8 * self.groups * count)
-        first, entries = _entries(self._traced, table)
-        self._table.write(entries)
-        sums = np.ones(4 * self.groups + 4)
-        sums[: table.shape[1]] = table.sum(0)
+        words, P, V = 4 * self.groups, len(self.probes.points), self.probes.spread.shape[0]
+        self._sums.reserve(8 * words * P)
+        self.means.reserve(8 * self.groups * V)
+        entries, firsts = [], []
+        for directions, table in zip(self._traced, tables, strict=True):
+            first, one = _entries(directions[: len(table)], table)
+            firsts.append(first + sum(len(e) for e in entries))
+            entries.append(one)
+        self._entries.write(np.concatenate(entries))
         program = self._program("mean")
-        for unit, buffer in enumerate((self._bits, self._table, self._probe_data), 9):
+        for unit, buffer in enumerate((self._bits, self._entries, self._probe_data), 9):
             buffer.bind(unit)
-        self._probe_means.buffer.bind_to_storage_buffer(0)
+        self._sums.buffer.bind_to_storage_buffer(0)
+        for c, first in enumerate(firsts):
+            for group in range(self.groups):
+                self._run(
+                    program,
+                    *self.probes.first[c : c + 2],
+                    group=group,
+                    group_count=self.groups,
+                    first=tuple(map(int, first[4 * group : 4 * group + 4])),
+                    last=tuple(map(int, first[4 * group + 1 : 4 * group + 5])),
+                )
+        self.ctx.memory_barrier()
+        least = np.ones((self.groups, 4), "f4")
+        least.ravel()[: self.layers] = LEAST * sum(table.sum(0) for table in tables)
+        program = self._program("spread")
+        for unit, buffer in enumerate((self._sums, self._row_data, self._spread_data), 9):
+            buffer.bind(unit)
+        self.means.buffer.bind_to_storage_buffer(0)
         for group in range(self.groups):
-            members = slice(4 * group, 4 * group + 4)
-            self._run(
-                program, count, group=group, group_count=self.groups, first=tuple(first[members]),
-                last=tuple(first[4 * group + 1 : 4 * group + 5]), least=tuple(LEAST * sums[members]),
-            )  # fmt: skip
-        if self._spread:
-            vertices = len(self.probes.between)
-            self._vertex_means.reserve(8 * self.groups * vertices)
-            self._probe_means.bind(9)
-            self._between_data.bind(10)
-            self._vertex_means.buffer.bind_to_storage_buffer(0)
-            self._run(self._program("spread"), vertices, words=2 * self.groups)
+            self._run(program, 0, V, group=group, group_count=self.groups, least=tuple(map(float, least[group])))
+        self.ctx.memory_barrier()
         self._lights, self._state = lights, state
         self.version += 1
 
-    def _cube_table(self, lights: Lights, broad: np.ndarray, rows: int) -> np.ndarray:
-        """Weights [rows, 6] of the directions in the six means."""
-        directions, gaussians = self.directions[: self.done], lights.gaussians
+    def _table(self, c: int, lights: Lights, broad: np.ndarray | None, sharp: bool) -> np.ndarray:
+        """What the traced directions [n] of a class weigh in each mean [n, 1 + K (+ 6)]."""
+        gaussians = lights.gaussians
+        fixed = self._traced[c][: self.done]
+        # As sharp as the fixed directions of all classes together can tell.
+        table = gaussian_table(fixed, gaussians.axis, gaussians.sharpness, self.done * self.classes)
+        if broad is not None:
+            table = np.concatenate([table, self._cube_table(fixed, lights, broad)], 1)
+        if sharp:
+            own = np.zeros((len(self._traced[c]) - self.done, table.shape[1]))
+            table[:, 1 + self._narrow] = 0.0
+            each = OWN // self.classes
+            for place, k in enumerate(self._narrow):
+                own[each * place :][:each, 1 + k] = 1.0
+            table = np.concatenate([table, own])
+        return table
+
+    def _cube_table(self, directions: np.ndarray, lights: Lights, broad: np.ndarray) -> np.ndarray:
+        """Weights [n, 6] of directions in the six means."""
+        gaussians = lights.gaussians
         light = SphericalGaussians(gaussians.axis, gaussians.sharpness, gaussians.amplitude * broad[:, None])
-        weight = luminance(np.maximum(light.radiance(directions), 0.0))
+        everywhere = luminance(np.maximum(light.radiance(self.directions), 0.0))
         # Where there is no such light, V still goes on smoothly from where there is.
-        weight = weight / max(weight.mean(), 1e-30) + 0.02
-        out = np.zeros((rows, 6))
-        out[: self.done] = weight[:, None] * cube_shares(directions)
-        return out / out.max()
+        weight = luminance(np.maximum(light.radiance(directions), 0.0)) + 0.02 * everywhere.mean() + 1e-30
+        return weight[:, None] / (everywhere.max() + 1e-30) * cube_shares(directions)
 
-    @property
-    def means(self) -> TextureBuffer:
-        """The means of the vertices, as passes/visibility_pixels.comp reads them."""
-        return self._vertex_means if self._spread else self._probe_means
+    # -- reading back ------------------------------------------------------------------------------------------------
 
-    def bits(self) -> np.ndarray:
-        """Read back what the probes see: bool [P, done]."""
+    def bits(self) -> list[np.ndarray]:
+        """Read back what the probes of each class see of its directions: bool [P_c, done]."""
         count = len(self.probes.points)
-        words = np.frombuffer(self._bits.buffer.read(4 * count * (DIRECTIONS // WORD)), "<u4").reshape(-1, count)
-        return np.unpackbits(words.T.copy().view("u1"), axis=1, bitorder="little")[:, : self.done].astype(bool)
+        words = np.frombuffer(self._bits.buffer.read(4 * count * (self.share // WORD)), "<u4").reshape(-1, count)
+        bits = np.unpackbits(words.T.copy().view("u1"), axis=1, bitorder="little")[:, : self.done].astype(bool)
+        return [bits[a:b] for a, b in zip(self.probes.first[:-1], self.probes.first[1:], strict=True)]
+
+    def class_directions(self) -> list[np.ndarray]:
+        """The fixed directions [share, 3] of each class."""
+        return [directions[: self.share] for directions in self._traced]
 
     def values(self) -> np.ndarray:
         """Read back the means: float [V, 2, 1 + K], or [V, 2, 7 + K] with `broad`."""
-        vertices = len(self.probes.between)
+        vertices = self.probes.spread.shape[0]
         data = np.frombuffer(self.means.buffer.read(8 * self.groups * vertices), "u1")
         return data.reshape(vertices, 2, -1)[..., : self.layers] / 255.0
+
+    # -- the machinery -----------------------------------------------------------------------------------------------
 
     def _program(self, stage: str, virtual: dict | None = None):
         if stage not in self._programs:
@@ -241,16 +304,17 @@ class VertexVisibility:
             self._programs[stage] = shader.compute(self.ctx, f"passes/visibility_{stage}.comp", None, virtual)
         return self._programs[stage]
 
-    def _run(self, program, count: int, **uniforms) -> None:
-        shader.set_uniforms(program, probe_count=count, vertex_count=count, **uniforms)
-        program.run(-(-count // 64))
-        self.ctx.memory_barrier()
+    def _run(self, program, begin: int, end: int, /, **uniforms) -> None:
+        """Run a program for the probes or vertices number `begin` to `end` - 1."""
+        if end > begin:
+            probes = len(self.probes.points)
+            shader.set_uniforms(program, first_item=int(begin), last_item=int(end), probe_count=probes, **uniforms)
+            program.run(-(-int(end - begin) // 64))
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        buffers = (self._probe_data, self._between_data, self._bits, self._table, self._direction_data)
-        means = (self._probe_means, self._vertex_means)
-        for thing in (*buffers, *means, self._queries, *self._programs.values()):
+        buffers = (self._probe_data, self._row_data, self._spread_data, self._bits, self._entries, self._direction_data)
+        for thing in (*buffers, self._sums, self.means, self._queries, *self._programs.values()):
             thing.release()
 
 
@@ -261,5 +325,5 @@ def _entries(directions: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, np.
     entries = np.empty((len(column), 4), "f4")
     entries[:, :3] = directions[number]
     entries[:, 3] = number + 0.5 * table[number, column]
-    first = np.searchsorted(column, np.arange(table.shape[1] + 5))
+    first = np.searchsorted(column, np.arange(table.shape[1] + 8))
     return first.astype(int), entries

@@ -30,11 +30,11 @@ def flat_weight(cos_theta):
 LEAST = 1e-4  # what a Gaussian's tail below counts as nothing
 
 
-def gaussian_table(directions, axis, sharpness):
-    """G [N, 1 + K] at N directions: 1, then exp(kappa (omega . xi - 1)) with kappa at most N / 4: a narrower Gaussian
-    would fall between the directions; 0 where below LEAST.   [own]"""
+def gaussian_table(directions, axis, sharpness, count=None):
+    """G [n, 1 + K] at n directions: 1, then exp(kappa (omega . xi - 1)) with kappa at most a quarter of `count` (default
+    n): a narrower Gaussian would fall between so many directions; 0 where below LEAST.   [own]"""
     directions = np.asarray(directions, float)
-    kappa = np.minimum(np.asarray(sharpness, float), len(directions) / 4.0)
+    kappa = np.minimum(np.asarray(sharpness, float), (count or len(directions)) / 4.0)
     G = np.exp(kappa * (directions @ np.asarray(axis, float).reshape(-1, 3).T - 1.0))
     return np.concatenate([np.ones((len(directions), 1)), np.where(G < LEAST, 0.0, G)], 1)
 

@@ -1,22 +1,37 @@
 #version 430
-// From probes to the vertices between them: a weighted mean of at most four.   [own]
+// Means at the vertices: what the probes about them see over what there is to see, four Gaussians at a time.   [own]
 layout(local_size_x = 64) in;
-layout(binding = 9) uniform usamplerBuffer mean_data;     // passes/visibility_mean.comp
-layout(binding = 10) uniform usamplerBuffer between_data;  // of a vertex four probes, then their weights as floats
-layout(std430, binding = 0) writeonly buffer Means { uint means[]; };
-uniform int vertex_count;
-uniform int words;  // of a probe and of a vertex
+layout(binding = 9) uniform usamplerBuffer sum_data;      // passes/visibility_mean.comp
+layout(binding = 10) uniform usamplerBuffer row_data;     // of a vertex: first term, the one after the last
+layout(binding = 11) uniform usamplerBuffer spread_data;  // terms: probe, weight as float
+layout(std430, binding = 0) writeonly buffer Means { uint means[]; };  // unorm8 x 4: of a vertex front and back
+uniform int last_item;    // vertices
+uniform int group;
+uniform int group_count;
+uniform vec4 least;       // with no more than about this in sight, a Gaussian lights the other side
 
 void main() {
     int i = int(gl_GlobalInvocationID.x);
-    if (i >= vertex_count) return;
-    ivec4 probe = ivec4(texelFetch(between_data, 2 * i)) * words;
-    vec4 weight = uintBitsToFloat(texelFetch(between_data, 2 * i + 1));
-    int n = 0;
+    if (i >= last_item) return;
+    ivec2 row = ivec2(texelFetch(row_data, i).xy);
+    vec4 front = 0.5 * least, front_all = front, back = front, back_all = front;
+    int e = row.x;
     do {
-        means[i * words + n] = packUnorm4x8(weight.x * unpackUnorm4x8(texelFetch(mean_data, probe.x + n).x)
-            + weight.y * unpackUnorm4x8(texelFetch(mean_data, probe.y + n).x)
-            + weight.z * unpackUnorm4x8(texelFetch(mean_data, probe.z + n).x)
-            + weight.w * unpackUnorm4x8(texelFetch(mean_data, probe.w + n).x));
-    } while (++n < words);
+        uvec2 term = texelFetch(spread_data, e).xy;
+        float weight = uintBitsToFloat(term.y);
+        int at = 8 * int(term.x) * group_count + 4 * group;
+        vec2 a = unpackHalf2x16(texelFetch(sum_data, at).x), b = unpackHalf2x16(texelFetch(sum_data, at + 1).x);
+        vec2 c = unpackHalf2x16(texelFetch(sum_data, at + 2).x), d = unpackHalf2x16(texelFetch(sum_data, at + 3).x);
+        front += weight * vec4(a.x, b.x, c.x, d.x);
+        front_all += weight * vec4(a.y, b.y, c.y, d.y);
+        at += 4 * group_count;
+        a = unpackHalf2x16(texelFetch(sum_data, at).x);
+        b = unpackHalf2x16(texelFetch(sum_data, at + 1).x);
+        c = unpackHalf2x16(texelFetch(sum_data, at + 2).x);
+        d = unpackHalf2x16(texelFetch(sum_data, at + 3).x);
+        back += weight * vec4(a.x, b.x, c.x, d.x);
+        back_all += weight * vec4(a.y, b.y, c.y, d.y);
+    } while (++e < row.y);
+    means[2 * i * group_count + group] = packUnorm4x8(front / front_all);
+    means[(2 * i + 1) * group_count + group] = packUnorm4x8(back / back_all);
 }

@@ -1,5 +1,5 @@
 #version 430
-// Which of the fixed directions of the world each probe sees: a bit each, for both sides of the sheet.   [own]
+// Which of the fixed directions of the world the probes of one class see: a bit each, for both sides of the sheet.   [own]
 // One dispatch traces at most 32 directions, those of one word: loops may end silently after 65,535 iterations.
 #include "passes/ray.glsl"
 #include "passes/visit_any.glsl"
@@ -8,20 +8,25 @@ layout(local_size_x = 64) in;
 layout(binding = 11) uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
 layout(binding = 12) uniform samplerBuffer direction_data;  // toward the light
 layout(std430, binding = 0) buffer Bits { uint bits[]; };   // word by word: those of all probes, one after the other
+uniform int first_item;      // probe
+uniform int last_item;       // the one after the last
 uniform int probe_count;
+uniform int direction_base;  // of this class
 uniform int first_direction;
 uniform int last_direction;  // the one after the last
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
-    if (i >= probe_count) return;
+    int i = first_item + int(gl_GlobalInvocationID.x);
+    if (i >= last_item) return;
     vec4 x = texelFetch(probe_data, 2 * i);
     vec4 N = texelFetch(probe_data, 2 * i + 1);
-    int at = (first_direction / 32) * probe_count + i;
-    uint word = (first_direction & 31) == 0 ? 0u : bits[at];
+    int at = (first_direction >> 5) * probe_count + i;
+    int count = last_direction - first_direction;
+    uint mine = (count == 32 ? 0u : 1u << uint(count)) - 1u;
+    uint word = bits[at] & ~(mine << uint(first_direction & 31));
     int d = first_direction;
     do {
-        vec3 omega = texelFetch(direction_data, d).xyz;
+        vec3 omega = texelFetch(direction_data, direction_base + d).xyz;
         // Off the side by which the ray leaves.
         float off = dot(omega, N.xyz) < 0.0 ? -N.w : x.w;
         Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
