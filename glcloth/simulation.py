@@ -23,10 +23,14 @@ import numpy as np
 
 from . import shader
 from .errors import InputError
+from .gpu import TextureBuffer
 from .layout import shared
 
 CONSTANTS, _ = shared("simulate/shared.glsl")
 ADVANCE = "Position Previous Velocity Air Contact"
+# Blocks that some passes only read, by texelFetch, which is much faster: their texel formats.
+FETCHED = {"Position": "rgba32f", "Previous": "rgba32f", "Velocity": "rgba32f", "AirForce": "rgba32f"}
+FETCHED |= {"Near": "r32i", "NearCount": "r32i"}
 
 
 @dataclass(frozen=True)
@@ -171,7 +175,13 @@ class Cloth:
             words |= {"Count": self.table_size, "Begin": self.table_size, "Cursor": self.table_size, "Member": V}
         if parameters.gap:
             words |= {"Near": V * CONSTANTS["MAX_NEAR"], "NearCount": V, "Overflow": 1}
-        self._buffers = {name: ctx.buffer(bytes(4 * count)) for name, count in words.items()}
+        self._fetched = {
+            name: TextureBuffer(ctx, bytes(4 * words[name]), texel) for name, texel in FETCHED.items() if name in words
+        }
+        self._buffers = {
+            name: self._fetched[name].buffer if name in FETCHED else ctx.buffer(bytes(4 * count))
+            for name, count in words.items()
+        }
         self.position_buffer = self._buffers["Position"]
         self.normal_buffer = self._buffers["Normal"]
         self.tangent_buffer = self._buffers["Tangent"]
@@ -199,9 +209,15 @@ class Cloth:
         return self._programs[key]
 
     def _run(self, program: moderngl.ComputeShader, blocks: str, invocations: int, group: int = 64, **uniforms) -> None:
-        """Dispatch a pass whose bindings 0, 1, ... are the named blocks; make what it wrote visible to the next."""
+        """Dispatch a pass whose bindings 0, 1, ... are the named blocks; make what it wrote visible to the next.
+
+        A block with a ~ before its name is fetched from the texture unit of that number.
+        """
         for binding, block in enumerate(blocks.split()):
-            self._buffers[block].bind_to_storage_buffer(binding)
+            if block[0] == "~":
+                self._fetched[block[1:]].bind(binding)
+            else:
+                self._buffers[block].bind_to_storage_buffer(binding)
         shader.set_uniforms(program, **uniforms)
         program.run(-(-invocations // group))
         self.ctx.memory_barrier()
@@ -253,11 +269,11 @@ class Cloth:
         m = self.parameters
         grid = {"rows": self.rows, "columns": self.columns}
         self._run(
-            self._program("wind"), "Position Velocity AirForce", self.quad_count, h=duration, time=self.time,
+            self._program("wind"), "~Position ~Velocity AirForce", self.quad_count, h=duration, time=self.time,
             wind=self.wind.velocity, gustiness=self.wind.gustiness, C_n=m.drag[0], C_t=m.drag[1],
             triangle_mass=0.5 * math.prod(m.spacing) * m.mass, **grid,
         )  # fmt: skip
-        self._run(self._program("air"), "Position Air AirForce", self.vertex_count, **grid)
+        self._run(self._program("air"), "~Position Air ~AirForce", self.vertex_count, **grid)
 
     def _constraints(self, h: float) -> None:
         m = self.parameters
@@ -288,7 +304,7 @@ class Cloth:
         reach = self.LIST_REACH * m.gap
         if m.contact_columns and self.substeps_done % self.ROW_LIST_SUBSTEPS == 0:
             self._run(
-                self._program("near_rows"), "Position Near NearCount Overflow", V, vertex_count=V,
+                self._program("near_rows"), "~Position Near NearCount Overflow", V, vertex_count=V,
                 columns=self.columns, window=m.contact_columns, reach=reach,
             )  # fmt: skip
         elif not m.contact_columns and self.substeps_done % self.LIST_SUBSTEPS == 0:
@@ -299,13 +315,13 @@ class Cloth:
             self._run(self._program("sort"), "Begin Cursor Member", self.table_size, **table)
             near = "Position Begin Cursor Member Near NearCount Overflow"
             self._run(self._program("near"), near, V, columns=self.columns, **table)
-        contact = "Position Previous Contact Near NearCount"
+        contact = "~Position ~Previous Contact ~Near ~NearCount"
         self._run(self._program("contact"), contact, V, vertex_count=V, gap=m.gap, mu=m.friction)
 
     def update_frames(self) -> None:
         """Compute `normal_buffer` and `tangent_buffer` from the present positions."""
         grid = {"rows": self.rows, "columns": self.columns}
-        self._run(self._program("normals"), "Position Normal Tangent", self.vertex_count, **grid)
+        self._run(self._program("normals"), "~Position Normal Tangent", self.vertex_count, **grid)
 
     def _read(self, buffer: moderngl.Buffer, width: int = 3) -> np.ndarray:
         data = np.frombuffer(buffer.read(), np.float32).reshape(self.rows, self.columns, 4)
@@ -355,8 +371,10 @@ class Cloth:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (*self._buffers.values(), *self._programs.values()):
+        kept = [buffer for name, buffer in self._buffers.items() if name not in self._fetched]
+        for thing in (*kept, *self._fetched.values(), *self._programs.values()):
             thing.release()
+        self._fetched.clear()
         self._buffers.clear()
         self._programs.clear()
 

@@ -9,7 +9,7 @@ import pytest
 from glcloth.accel.brute import Brute
 from glcloth.accel.kdtree import CONSTANTS, KdTree, KdTreeParameters
 from glcloth.accel.queries import STRUCTURES, RayQueries, make_structure
-from glcloth.accel.triangles import Triangles
+from glcloth.accel.triangles import Triangles, find_pairs
 from glcloth.errors import InputError
 from glcloth.reference import intersect
 from glcloth.reference import kdtree as exact
@@ -148,16 +148,19 @@ def test_no_ray_slips_through_shared_edges(ctx, queries, name):
         assert np.isfinite(hits.t).all()
 
 
-def test_every_triangle_is_reached_and_inside_its_leaf(ctx, keep):
+@pytest.mark.parametrize("pairs", [True, False])
+def test_every_triangle_is_reached_and_inside_its_leaf(ctx, keep, pairs):
     soup = scenes.scene(3000, 1.0)
-    triangles, tree = Triangles.of(ctx, soup), KdTree(ctx)
+    triangles, tree = Triangles.of(ctx, soup), KdTree(ctx, KdTreeParameters(pairs=pairs))
     keep += [triangles, tree]
     tree.build(triangles)
     t = tree.arrays()
-    assert len(t["axis"]) == tree.node_count and len(t["triangles"]) == tree.leaf_ref_count
+    assert len(t["axis"]) == tree.node_count
+    # Every quad of this scene is a pair.
+    assert len(t["triangles"]) == tree.leaf_ref_count * (2 if pairs else 1)
     assert set(t["triangles"]) == set(range(len(soup)))
     leaf = np.flatnonzero(t["axis"] == 3)
-    assert t["count"][leaf].sum() == tree.leaf_ref_count
+    assert t["count"][leaf].sum() == len(t["triangles"])
     # Leaves fill the root's box without a gap or an overlap.
     volume = np.prod((t["high"] - t["low"]).astype(float), axis=1)
     assert volume[leaf].sum() == pytest.approx(volume[0], rel=1e-5)
@@ -171,7 +174,7 @@ def test_every_triangle_is_reached_and_inside_its_leaf(ctx, keep):
         assert len(holds) and (set(holds) <= set(owner[t["triangles"] == i]))
 
 
-@pytest.mark.parametrize("parameters", [KdTreeParameters(), KdTreeParameters(small_size=64)])
+@pytest.mark.parametrize("parameters", [KdTreeParameters(pairs=False), KdTreeParameters(pairs=False, small_size=64)])
 def test_the_tree_costs_little_more_than_an_exact_one(ctx, keep, parameters):
     soup = scenes.scene(1000, 1.0)
     triangles, tree = Triangles.of(ctx, soup), KdTree(ctx, parameters)
@@ -195,6 +198,29 @@ def test_buffers_that_are_too_small_grow(ctx, keep):
     grown = small.growths
     small.build(triangles)
     assert small.growths == grown
+
+
+def test_pairs_are_found_and_meet_the_same(ctx, queries, keep):
+    """Strips, fans and loose triangles, their corners turned: pairs share an edge, no triangle is in two, hits are alike."""
+    rng = np.random.default_rng(4)
+    grid = scenes.grid_triangles(scenes.curtain_grid(9, 7))
+    loose = rng.normal(size=(25, 3, 3))
+    soup = np.concatenate([scenes.room(), loose[:11], grid, loose[11:], grid[:5] + 1.0])
+    turned = soup[np.arange(len(soup))[:, None], (np.arange(3) + rng.integers(0, 3, (len(soup), 1))) % 3]
+    material = np.where(np.arange(len(soup)) < 146, 1, 0)
+    turn, joined = find_pairs(turned, material)
+    assert not (joined[1:] & joined[:-1]).any() and joined.sum() >= 73 + 48 + 2
+    straight = turned[np.arange(len(soup))[:, None], (turn[:, None] + np.arange(3)) % 3]
+    one, two = straight[:-1][joined[:-1]], straight[1:][joined[:-1]]
+    np.testing.assert_array_equal(one[:, [2, 1]], two[:, :2])
+    triangles, judge = Triangles.of(ctx, turned), Brute(ctx)
+    judge.build(triangles)
+    rays = all_rays(soup, 4000)
+    for pairs in (True, False):
+        tree = KdTree(ctx, KdTreeParameters(pairs=pairs))
+        keep += [tree]
+        tree.build(triangles)
+        same_hits(queries.closest_hit(tree, *rays), queries.closest_hit(judge, *rays))
 
 
 def test_large_leaves_are_few(ctx, keep):

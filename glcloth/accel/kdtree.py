@@ -25,11 +25,11 @@ LONGEST_LEAF = 60_000  # a loop over more triangles could end silently on a soft
 # Texture units and storage bindings of the passes kdtree_*.comp; two `active` lists take turns.
 UNITS = {
     "corners": 0, "refs": 1, "nodes": 2, "active": 3, "lanes": 4, "masks": 5, "roots": 6, "places": 7, "bounds": 8,
-    "leaf_triangles": 9, "attributes": 10,
+    "leaf_pairs": 9, "attributes": 10, "pairs": 11,
 }  # fmt: skip
 BINDINGS = {
     "refs": 1, "nodes": 3, "lanes": 4, "active": 6, "roots": 7, "masks": 8, "sizes": 9, "places": 10,
-    "tree_nodes": 11, "leaf_triangles": 12, "leaf_corners": 13,
+    "tree_nodes": 11, "leaf_pairs": 12, "leaf_corners": 13,
 }  # fmt: skip
 COUNTERS_BINDING = 5
 # Invocations that share a large node: many while the nodes are few, so that every core has work.
@@ -39,7 +39,7 @@ SIZES = {
     "nodes": ("n", 4, "rgba32ui"), "active_a": ("n", 1, "r32ui"), "active_b": ("n", 1, "r32ui"),
     "sizes": ("n", 1, "rg32ui"), "places": ("n", 1, "rg32ui"), "tree_nodes": ("n", 1, "rg32ui"),
     "refs": ("r", 6, "rgba32ui"), "masks": ("r", 6, "rgba32ui"), "roots": ("r", 1, "rgba32ui"),
-        "leaf_triangles": ("l", 1, "r32ui"), "leaf_corners": ("l", 3, "rgba32ui"),
+    "leaf_pairs": ("l", 1, "r32ui"), "leaf_corners": ("l", 4, "rgba32ui"),
 }  # fmt: skip
 
 
@@ -49,13 +49,14 @@ class KdTreeParameters:
 
     C_ts: cost of a step in triangle tests. small_size: the most triangles of a small node (at most 64). empty_share:
     C_e, the share of a node's extent above which empty space is cut off. growth_limit: the most by which a split may
-    multiply the triangles of a large node.
+    multiply the triangles of a large node. pairs: two triangles that share an edge are one to the builder and the tracer.
     """
 
     C_ts: float = 2.0
     small_size: int = 32
     empty_share: float = 0.25
     growth_limit: float = 1.6
+    pairs: bool = True
 
     def __post_init__(self):
         if not 1 <= self.small_size <= CONSTANTS["MASK_BITS"]:
@@ -68,7 +69,7 @@ class KdTreeParameters:
 class KdTree:
     """A kd-tree of `Triangles` on the GPU.
 
-    After `build`: node_count, leaf_ref_count, low and high (the root's box), timings (ms per stage), and growths, how
+    After `build`: node_count, leaf_ref_count (of pairs), low and high (the root's box), timings (ms per stage), and growths, how
     often a buffer was too small so far.
     """
 
@@ -105,8 +106,9 @@ class KdTree:
         if triangles.count == 0:
             self._empty()
             return
-        self._grow("n", int(self._room * (3 * triangles.count + 256)), more=False)
-        self._grow("r", max(int(self._room * (2.5 * triangles.count + 256)), triangles.count), more=False)
+        count, _ = triangles.pairs(self.parameters.pairs)
+        self._grow("n", int(self._room * (3 * count + 256)), more=False)
+        self._grow("r", max(int(self._room * (2.5 * count + 256)), count), more=False)
         while not self._attempt(triangles):
             self.growths += 1
 
@@ -117,7 +119,7 @@ class KdTree:
         counters = np.zeros(CONSTANTS["COUNTERS"], np.uint32)
         counters[CONSTANTS["NODE_COUNT"]] = 1
         self._counters.write(counters.tobytes())
-        for name in ("refs", "nodes", "roots", "masks", "sizes", "places", "tree_nodes", "leaf_triangles"):
+        for name in ("refs", "nodes", "roots", "masks", "sizes", "places", "tree_nodes", "leaf_pairs"):
             self._write(name)
         self._read("refs")
         self._read("nodes")
@@ -125,7 +127,9 @@ class KdTree:
         triangles.corners.bind(UNITS["corners"])
         triangles.attributes.bind(UNITS["attributes"])
         self._write("active", "active_a")
-        self._run("init", -(-triangles.count // 64), triangle_count=triangles.count, padding=triangles.padding)
+        count, pairs = triangles.pairs(p.pairs)
+        pairs.bind(UNITS["pairs"])
+        self._run("init", -(-count // 64), pair_count=count, padding=triangles.padding)
         self._lap("init")
 
         generations = [0, 1]
@@ -165,11 +169,11 @@ class KdTree:
         self._lap("order")
 
         self._grow("l", self.leaf_ref_count, more=False)
-        self._write("leaf_triangles")
+        self._write("leaf_pairs")
         self._write("leaf_corners")
         self._read("places")
         self._run("emit", -(-self.node_count // 64), node_count=self.node_count)
-        self._read("leaf_triangles")
+        self._read("leaf_pairs")
         self._run("leaves", -(-self.leaf_ref_count // 64), leaf_ref_count=self.leaf_ref_count)
         root = np.frombuffer(self._buffers["nodes"].buffer.read(32), np.float32)
         self.low, self.high = root[:3].copy(), root[4:7].copy()
@@ -307,7 +311,12 @@ class KdTree:
         `triangles`), low, high [N, 3] float32 (the node's box), depth [N] int, triangles [R] int.
         """
         nodes = np.frombuffer(self._buffers["tree_nodes"].buffer.read(8 * self.node_count), np.uint32).reshape(-1, 2)
-        refs = self._buffers["leaf_triangles"].buffer.read(4 * self.leaf_ref_count) if self.leaf_ref_count else b""
+        refs = self._buffers["leaf_pairs"].buffer.read(4 * self.leaf_ref_count) if self.leaf_ref_count else b""
+        pairs = np.frombuffer(refs, np.uint32).astype(int)
+        # Where each pair begins in the list of triangles.
+        begins = np.concatenate([[0], np.cumsum(1 + (pairs & 1))])
+        triangles = np.repeat(pairs >> 1, 1 + (pairs & 1))
+        triangles[begins[:-1][(pairs & 1) == 1] + 1] += 1
         axis, payload = (nodes[:, 1] & 3).astype(int), (nodes[:, 1] >> 2).astype(int)
         leaf = axis == 3
         tree = {
@@ -315,9 +324,10 @@ class KdTree:
             "split": np.where(leaf, 0, nodes[:, 0].view(np.float32)),
             "left": np.where(leaf, -1, np.arange(len(axis)) + 1),
             "right": np.where(leaf, -1, payload),
-            "first": np.where(leaf, nodes[:, 0], 0).astype(int),
-            "count": np.where(leaf, payload, 0),
-            "triangles": np.frombuffer(refs, np.uint32).astype(int),
+            "first": begins[np.where(leaf, nodes[:, 0], 0).astype(int)],
+            "count": begins[np.where(leaf, nodes[:, 0] + payload, 0).astype(int)]
+            - begins[np.where(leaf, nodes[:, 0], 0).astype(int)],
+            "triangles": triangles,
         }
         low, high = np.zeros((len(axis), 3), np.float32), np.zeros((len(axis), 3), np.float32)
         depth = np.zeros(len(axis), int)

@@ -92,7 +92,7 @@ class Lbvh:
             self._buffers["bvh_nodes"].write(_node(1))
         self._read("leaf_triangles")
         self._write("leaf_corners")
-        self._run("kdtree_leaves", n, leaf_ref_count=n)
+        self._run("lbvh_leaves", n, leaf_ref_count=n)
         lap("emit")
         self.timings = {name: 1000 * (end - laps[k][1]) for k, (name, end) in enumerate(laps[1:])}
 

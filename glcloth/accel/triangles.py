@@ -32,6 +32,8 @@ class Triangles:
         self.corners = TextureBuffer(ctx, 48 * max(count, 1), "rgba32ui")
         self.attributes = TextureBuffer(ctx, 16 * max(count, 1), "rgba32ui")
         self._gather = None
+        self._joined = np.zeros(max(count, 1), bool)  # a triangle and its successor are a pair
+        self._pairs: dict[bool, tuple[int, TextureBuffer]] = {}
 
     @classmethod
     def of(cls, ctx: moderngl.Context, positions: np.ndarray, material: np.ndarray | int = 0) -> Triangles:
@@ -57,10 +59,17 @@ class Triangles:
         positions : [T, 3, 3] metres
         normals, tangents : [T, 3, 3] of the corners; default: the geometric normal, and the first edge
         material : [T] int or one for all
+
+        Successive triangles that share an edge become pairs; their corners are turned for it, the order of the round kept.
         """
         positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
         T = len(positions)
         assert first + T <= self.count, f"{first} + {T} triangles, room for {self.count}"
+        material = np.broadcast_to(material, T)
+        turn, joined = find_pairs(positions, material)
+        self._join(first, joined)
+        positions = np.ascontiguousarray(_turned(positions, turn))
+        normals, tangents = (None if v is None else _turned(np.asarray(v), turn) for v in (normals, tangents))
         edges = (positions[:, 1] - positions[:, 0]).astype(float), (positions[:, 2] - positions[:, 0]).astype(float)
         if normals is None:
             normals = np.repeat(np.cross(*edges)[:, None], 3, 1)
@@ -87,6 +96,7 @@ class Triangles:
     ) -> None:
         """Copy the 2 (rows - 1) (columns - 1) triangles of a grid whose buffers hold one vec4 a vertex, row by row."""
         quads = (rows - 1) * (columns - 1)
+        self._join(first, np.tile([True, False], quads))
         assert first + 2 * quads <= self.count, f"{first} + {2 * quads} triangles, room for {self.count}"
         if self._gather is None:
             self._gather = shader.compute(self.ctx, "passes/gather_grid.comp")
@@ -95,6 +105,28 @@ class Triangles:
         shader.set_uniforms(self._gather, rows=rows, columns=columns, first=first, material=material)
         self._gather.run(-(-quads // 64))
         self.ctx.memory_barrier()
+
+    def pairs(self, two: bool = True) -> tuple[int, TextureBuffer]:
+        """How many pairs and single triangles there are, and a texel for each: twice the first triangle's number, plus 1 if
+        its successor belongs to it. Without `two` every triangle is single.
+
+        A pair is (a, c, b) and (b, c, d).
+        """
+        if two not in self._pairs:
+            joined = self._joined[: self.count] & two
+            begins = np.ones(self.count, bool)
+            begins[1:] = ~joined[:-1]
+            first = np.flatnonzero(begins).astype(np.uint32)
+            self._pairs[two] = len(first), TextureBuffer(self.ctx, 2 * first + joined[first].astype(np.uint32), "r32ui")
+        return self._pairs[two]
+
+    def _join(self, first: int, joined: np.ndarray) -> None:
+        there = self._joined[first : first + len(joined)]
+        if not np.array_equal(there, joined):
+            there[:] = joined
+            for _, buffer in self._pairs.values():
+                buffer.release()
+            self._pairs.clear()
 
     def positions(self) -> np.ndarray:
         """Read the corners back: float32 [T, 3, 3]."""
@@ -108,10 +140,41 @@ class Triangles:
 
     def release(self) -> None:
         """Free the GPU's memory."""
+        for _, buffer in self._pairs.values():
+            buffer.release()
         self.corners.release()
         self.attributes.release()
         if self._gather is not None:
             self._gather.release()
+
+
+def find_pairs(positions: np.ndarray, material: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Which triangles [T, 3, 3] form a pair (a, c, b), (b, c, d) with their successor, [T] bool, and by how many places the
+    corners of each must be turned for it, [T] int. Only neighbours in the list, of one material, no triangle in two pairs.
+    """
+    T = len(positions)
+    turn, joined = np.zeros(T, int), np.zeros(T, bool)
+    if T < 2:
+        return turn, joined
+    fits = np.full(T - 1, -1)
+    for k in range(3):
+        for l in range(3):
+            c, b = positions[:-1, (k + 1) % 3], positions[:-1, (k + 2) % 3]
+            shared = (positions[1:, l] == b).all(1) & (positions[1:, (l + 1) % 3] == c).all(1)
+            fits[shared & (fits < 0)] = 3 * k + l
+    fits[material[1:] != material[:-1]] = -1
+    last = -2
+    for t in np.flatnonzero(fits >= 0):
+        if t > last + 1:
+            joined[t] = True
+            turn[t], turn[t + 1] = divmod(int(fits[t]), 3)
+            last = t
+    return turn, joined
+
+
+def _turned(corners: np.ndarray, turn: np.ndarray) -> np.ndarray:
+    """Corners [T, 3, ...] that begin with the one that was number `turn` [T]."""
+    return corners[np.arange(len(corners))[:, None], (turn[:, None] + np.arange(3)) % 3]
 
 
 def pack_units(vectors: np.ndarray) -> np.ndarray:

@@ -39,6 +39,24 @@ def edge_function(p, q):
     return 2 * (p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0])
 
 
+def sheared(p, shear):
+    """p [..., 3] seen along the ray: [..., 2].   [Woop 2013]"""
+    return p[..., :2] - shear[..., :2] * p[..., 2:]
+
+
+def hit_edges(edges, depths, shear):
+    """(t, v, w, determinant) [..., 4] from edge functions and depths [..., 3] of the corners; t = -1: a miss.   [Woop 2013]"""
+    edges = np.asarray(edges, float)
+    total = edges.sum(-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weights = edges / total[..., None]
+        t = (weights * depths).sum(-1) * shear[..., 2]
+        hit = (total != 0) & (weights >= 0).all(-1)
+    return np.where(
+        hit[..., None], np.stack([t, weights[..., 1], weights[..., 2], 0.5 * total], -1), [-1.0, 0.0, 0.0, 0.0]
+    )
+
+
 def hit_triangle(a, b, c, shear):
     """(t, v, w, determinant) [..., 4] of a ray from the origin along (0, 0, 1) sheared back; t = -1: a miss.
 

@@ -3,7 +3,7 @@
 // that lies in the leaf. A visitor that defines SETTLES is also asked, by settle(), after each leaf: true if the leaf is to
 // be gone through again, because it wants what lies behind its hit.
 // A software rasteriser executes the body of a loop whose test stands at the top once more than it is wanted, for no lane;
-// so tests stand at the end, and two triangles are met at a time, whose long chains of operations overlap.
+// so tests stand at the end.
 #include "trace/shared.glsl"
 #include "count.glsl"
 
@@ -53,22 +53,19 @@ void traverse(Ray ray, inout Visit visit) {
         int last = int(node.x + (node.y >> 2));
         do {
             if (i < last) {
-                // The last one twice where their number is odd: a visitor takes no notice.
-                int j = min(i + 1, last - 1);
                 count_test();
-                if (j > i) count_test();
-                uvec4 a = texelFetch(leaf_corners, 3 * i);
-                vec3 b = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 1).xyz);
-                vec3 c = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 2).xyz);
-                uvec4 d = texelFetch(leaf_corners, 3 * j);
-                vec3 e = uintBitsToFloat(texelFetch(leaf_corners, 3 * j + 1).xyz);
-                vec3 f = uintBitsToFloat(texelFetch(leaf_corners, 3 * j + 2).xyz);
-                vec4 hit_i = meet_triangle(ray, uintBitsToFloat(a.xyz), b, c);
-                vec4 hit_j = meet_triangle(ray, uintBitsToFloat(d.xyz), e, f);
-                meet(visit, ray, a.w, hit_i, vec2(t_0, t_1));
-                meet(visit, ray, d.w, hit_j, vec2(t_0, t_1));
+                uvec4 a = texelFetch(leaf_corners, 4 * i);
+                uvec4 b = texelFetch(leaf_corners, 4 * i + 1);
+                vec3 c = uintBitsToFloat(texelFetch(leaf_corners, 4 * i + 2).xyz);
+                vec3 d = uintBitsToFloat(texelFetch(leaf_corners, 4 * i + 3).xyz);
+                if (b.w != NO_TRIANGLE) count_test();
+                vec4 hit_1;
+                vec4 hit_2;
+                meet_pair(ray, uintBitsToFloat(a.xyz), uintBitsToFloat(b.xyz), c, d, hit_1, hit_2);
+                meet(visit, ray, a.w, hit_1, vec2(t_0, t_1));
+                meet(visit, ray, b.w, hit_2, vec2(t_0, t_1));
             }
-            i += 2;
+            ++i;
         } while (i < last);
         bool again = false;
 #ifdef SETTLES

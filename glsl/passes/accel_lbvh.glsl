@@ -4,7 +4,7 @@
 #include "count.glsl"
 
 layout(binding = 8) uniform usamplerBuffer bvh_nodes;     // passes/lbvh_emit.comp
-layout(binding = 9) uniform usamplerBuffer leaf_corners;  // passes/kdtree_leaves.comp
+layout(binding = 9) uniform usamplerBuffer leaf_corners;  // passes/lbvh_leaves.comp
 
 void traverse(Ray ray, inout Visit visit) {
     vec3 inv_d = safe_inverse(ray.d);

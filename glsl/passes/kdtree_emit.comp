@@ -1,14 +1,14 @@
 #version 430
-// Writes the nodes in preorder, as the tracer reads them, and the triangles of the leaves.
+// Writes the nodes in preorder, as the tracer reads them, and the pairs of triangles of the leaves.
 //   inner: (split, axis | right child << 2), the left child is the next node
-//   leaf:  (first triangle in leaf order, 3 | count << 2)
+//   leaf:  (first pair in leaf order, 3 | count << 2)
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 1) uniform usamplerBuffer refs;
 layout(binding = 2) uniform usamplerBuffer nodes;
 layout(binding = 7) uniform usamplerBuffer places;
 layout(std430, binding = 11) writeonly buffer TreeNodes { uvec2 tree_node[]; };
-layout(std430, binding = 12) writeonly buffer LeafTriangles { uint leaf_triangle[]; };
+layout(std430, binding = 12) writeonly buffer LeafPairs { uint leaf_pair[]; };
 uniform int node_count;
 
 void main() {
@@ -26,13 +26,13 @@ void main() {
     uint count = 0u;
     if (head.y == LARGE_LEAF) {
         count = set.y;
-        for (uint k = 0u; k < count; ++k) leaf_triangle[place.y + k] = texelFetch(refs, int(2u * (set.z + k))).w;
+        for (uint k = 0u; k < count; ++k) leaf_pair[place.y + k] = texelFetch(refs, int(2u * (set.z + k))).w;
     } else if (head.y == SMALL_LEAF || head.y == PENDING) {
         for (int word = 0; word < 2; ++word) {
             uint rest = set[word];
             while (rest != 0u) {
                 int r = int(set.z) + 32 * word + findLSB(rest);
-                leaf_triangle[place.y + count++] = texelFetch(refs, 2 * r).w;
+                leaf_pair[place.y + count++] = texelFetch(refs, 2 * r).w;
                 rest &= rest - 1u;
             }
         }

@@ -1,10 +1,11 @@
 #version 430
-// The corners of the triangles in leaf order, so that a leaf is read in one run: (x, y, z, -), the first with the
-// triangle's number instead of -, and SOLID if it is not cloth (material 0).
+// The corners of the pairs in leaf order, so that a leaf is read in one run. Triangles (a, c, b) and (b, c, d) are four texels
+// (x, y, z, -); with a and b lie their numbers, and SOLID if they are not cloth (material 0). A triangle without a partner has
+// d = b, which nothing hits, and NO_TRIANGLE for the partner's number.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 0) uniform usamplerBuffer corners;
-layout(binding = 9) uniform usamplerBuffer leaf_triangles;
+layout(binding = 9) uniform usamplerBuffer leaf_pairs;
 layout(binding = 10) uniform usamplerBuffer attributes;
 layout(std430, binding = 13) writeonly buffer LeafCorners { uvec4 leaf_corner[]; };
 uniform int leaf_ref_count;
@@ -12,9 +13,14 @@ uniform int leaf_ref_count;
 void main() {
     int i = int(gl_GlobalInvocationID.x);
     if (i >= leaf_ref_count) return;
-    uint triangle = texelFetch(leaf_triangles, i).x;
-    uint tag = triangle | (texelFetch(attributes, int(triangle)).x != 0u ? SOLID : 0u);
-    leaf_corner[3 * i] = uvec4(texelFetch(corners, int(3u * triangle)).xyz, tag);
-    leaf_corner[3 * i + 1] = uvec4(texelFetch(corners, int(3u * triangle) + 1).xyz, 0u);
-    leaf_corner[3 * i + 2] = uvec4(texelFetch(corners, int(3u * triangle) + 2).xyz, 0u);
+    uint pair = texelFetch(leaf_pairs, i).x;
+    uint triangle = pair >> 1;
+    bool two = (pair & 1u) != 0u;
+    int first = int(3u * triangle);
+    uint solid = texelFetch(attributes, int(triangle)).x != 0u ? SOLID : 0u;
+    uvec3 b = texelFetch(corners, first + 2).xyz;
+    leaf_corner[4 * i] = uvec4(texelFetch(corners, first).xyz, triangle | solid);
+    leaf_corner[4 * i + 1] = uvec4(b, two ? triangle + 1u | solid : NO_TRIANGLE);
+    leaf_corner[4 * i + 2] = uvec4(texelFetch(corners, first + 1).xyz, 0u);
+    leaf_corner[4 * i + 3] = uvec4(two ? texelFetch(corners, first + 5).xyz : b, 0u);
 }

@@ -25,8 +25,16 @@ mat2x3 narrowed(mat3 part, vec3 low, vec3 high) {
     return some ? mat2x3(new_low, new_high) : mat2x3(low, high);
 }
 
-void put(uint at, vec3 low, vec3 high, uint triangle) {
-    ref_out[2u * at] = uvec4(floatBitsToUint(low), triangle);
+// The box of what lies on one side of the plane of two triangles (a, c, b) and (b, c, d).
+mat3 clipped_pair(vec3 a, vec3 b, vec3 c, vec3 d, vec4 plane, float side) {
+    mat3 p = clipped_box(a, b, c, plane.xyz, plane.w, side);
+    mat3 q = clipped_box(d, b, c, plane.xyz, plane.w, side);
+    bool both = p[2].x * q[2].x > 0.0;
+    return both ? mat3(min(p[0], q[0]), max(p[1], q[1]), p[2]) : p[2].x > 0.0 ? p : q;
+}
+
+void put(uint at, vec3 low, vec3 high, uint pair) {
+    ref_out[2u * at] = uvec4(floatBitsToUint(low), pair);
     ref_out[2u * at + 1u] = uvec4(floatBitsToUint(high), 0u);
 }
 
@@ -79,14 +87,16 @@ void main() {
         vec2 side = sides(low, high, plane);
         bool left = side.x > 0.0;
         if (side.x * side.y > 0.0) {
-            vec3 a = uintBitsToFloat(texelFetch(corners, int(3u * first.w)).xyz);
-            vec3 b = uintBitsToFloat(texelFetch(corners, int(3u * first.w) + 1).xyz);
-            vec3 c = uintBitsToFloat(texelFetch(corners, int(3u * first.w) + 2).xyz);
-            mat2x3 part = narrowed(clipped_box(a, b, c, plane.xyz, plane.w, -1.0), low, high);
+            int corner = int(3u * (first.w >> 1));
+            vec3 a = uintBitsToFloat(texelFetch(corners, corner).xyz);
+            vec3 c = uintBitsToFloat(texelFetch(corners, corner + 1).xyz);
+            vec3 b = uintBitsToFloat(texelFetch(corners, corner + 2).xyz);
+            vec3 d = (first.w & 1u) != 0u ? uintBitsToFloat(texelFetch(corners, corner + 5).xyz) : a;
+            mat2x3 part = narrowed(clipped_pair(a, b, c, d, plane, -1.0), low, high);
             part[0] = mix(part[0], max(part[0], vec3(plane.w)), plane.xyz);
             if (fits_right) put(at.y, part[0], part[1], first.w);
             ++at.y;
-            part = narrowed(clipped_box(a, b, c, plane.xyz, plane.w, 1.0), low, high);
+            part = narrowed(clipped_pair(a, b, c, d, plane, 1.0), low, high);
             low = part[0];
             high = mix(part[1], min(part[1], vec3(plane.w)), plane.xyz);
         }

@@ -1,9 +1,9 @@
 #version 430
 // Acceleration of every vertex by the air: a third of the force on each triangle round it. One invocation per vertex.
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Position { vec4 x[]; };
+layout(binding = 0) uniform samplerBuffer Position;
 layout(std430, binding = 1) writeonly buffer Air { vec4 air[]; };     // m/s^2
-layout(std430, binding = 2) readonly buffer AirForce { vec4 F[]; };   // N, two triangles per quad
+layout(binding = 2) uniform samplerBuffer AirForce;   // N, two triangles per quad
 uniform int rows;
 uniform int columns;
 
@@ -16,7 +16,7 @@ vec3 share(int i, int j, vec2 even, vec2 odd) {
     }
     int quad = 2 * (i * (columns - 1) + j);
     vec2 part = ((i + j) & 1) == 0 ? even : odd;
-    return part.x * F[quad].xyz + part.y * F[quad + 1].xyz;
+    return part.x * texelFetch(AirForce, quad).xyz + part.y * texelFetch(AirForce, quad + 1).xyz;
 }
 
 void main() {
@@ -30,5 +30,5 @@ void main() {
                + share(i, j - 1, vec2(0.0, 1.0), vec2(1.0))           // b
                + share(i - 1, j, vec2(1.0, 0.0), vec2(1.0))           // c
                + share(i - 1, j - 1, vec2(1.0), vec2(0.0, 1.0));      // d
-    air[index] = vec4(force * (x[index].w / 3.0), 0.0);
+    air[index] = vec4(force * (texelFetch(Position, index).w / 3.0), 0.0);
 }

@@ -4,11 +4,11 @@
 #include "simulate/shared.glsl"
 #include "simulate/contact.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Position { vec4 x[]; };
-layout(std430, binding = 1) readonly buffer Previous { vec4 p[]; };
+layout(binding = 0) uniform samplerBuffer Position;
+layout(binding = 1) uniform samplerBuffer Previous;
 layout(std430, binding = 2) writeonly buffer Contact { vec4 shift[]; };
-layout(std430, binding = 3) readonly buffer Near { int near[]; };
-layout(std430, binding = 4) readonly buffer NearCount { int near_count[]; };
+layout(binding = 3) uniform isamplerBuffer Near;
+layout(binding = 4) uniform isamplerBuffer NearCount;
 uniform int vertex_count;
 uniform float gap;   // m
 uniform float mu;
@@ -18,20 +18,23 @@ void main() {
     if (index >= vertex_count) {
         return;
     }
-    vec4 here = x[index];
-    vec3 moved = here.xyz - p[index].xyz;
+    vec4 here = texelFetch(Position, index);
+    vec3 moved = here.xyz - texelFetch(Previous, index).xyz;
     vec3 sum = vec3(0.0);
     float contacts = 0.0;
-    int count = near_count[index];
-    for (int k = 0; k < count; k++) {
-        int other = near[index * MAX_NEAR + k];
-        vec4 there = x[other];
+    int count = texelFetch(NearCount, index).x;
+    int k = 0;
+    // The test stands at the end: a software rasteriser executes a loop's body once more than one at its top wants.
+    do {
+        // Nothing near: the vertex itself, which is in no contact with itself.
+        int other = k < count ? texelFetch(Near, index * MAX_NEAR + k).x : index;
+        vec4 there = texelFetch(Position, other);
         vec3 e = here.xyz - there.xyz;
-        if (dot(e, e) < gap * gap) {
-            vec3 slide = moved - (there.xyz - p[other].xyz);
-            sum += part(here.xyz, there.xyz, here.w, there.w, gap, slide, mu);
-            contacts += 1.0;
-        }
-    }
+        bool touches = other != index && dot(e, e) < gap * gap;
+        vec3 slide = moved - (there.xyz - texelFetch(Previous, other).xyz);
+        sum += touches ? part(here.xyz, there.xyz, here.w, there.w, gap, slide, mu) : vec3(0.0);
+        contacts += touches ? 1.0 : 0.0;
+        k++;
+    } while (k < count);
     shift[index] = vec4(contacts > 0.0 ? sum / contacts : vec3(0.0), 0.0);
 }

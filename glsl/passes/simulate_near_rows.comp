@@ -3,7 +3,7 @@
 // (a curtain, whose pleats meet side by side), much cheaper than looking in all directions. One invocation per vertex.
 #include "simulate/shared.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Position { vec4 x[]; };
+layout(binding = 0) uniform samplerBuffer Position;
 layout(std430, binding = 1) writeonly buffer Near { int near[]; };       // MAX_NEAR slots per vertex
 layout(std430, binding = 2) writeonly buffer NearCount { int near_count[]; };
 layout(std430, binding = 3) buffer Overflow { int overflow; };           // the longest list asked for, if too long
@@ -17,12 +17,12 @@ void main() {
     if (index >= vertex_count) {
         return;
     }
-    vec3 here = x[index].xyz;
+    vec3 here = texelFetch(Position, index).xyz;
     int row = index / columns * columns;
     int j = index - row;
     int found = 0;
     for (int k = max(0, j - window); k <= min(columns - 1, j + window); k++) {
-        vec3 e = x[row + k].xyz - here;
+        vec3 e = texelFetch(Position, row + k).xyz - here;
         if (abs(k - j) > 1 && dot(e, e) < reach * reach) {
             if (found < MAX_NEAR) {
                 near[index * MAX_NEAR + found] = row + k;

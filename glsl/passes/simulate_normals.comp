@@ -2,7 +2,7 @@
 // Smooth normals and yarn-1 directions of the grid by central differences (one-sided at the border). One invocation
 // per vertex. Rows run down yarn 2 (v falls), columns along yarn 1 (u grows).
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Position { vec4 x[]; };
+layout(binding = 0) uniform samplerBuffer Position;
 layout(std430, binding = 1) writeonly buffer Normal { vec4 normal[]; };
 layout(std430, binding = 2) writeonly buffer Tangent { vec4 tangent[]; };
 uniform int rows;
@@ -15,8 +15,10 @@ void main() {
     }
     int i = index / columns;
     int j = index - i * columns;
-    vec3 along_u = x[i * columns + min(j + 1, columns - 1)].xyz - x[i * columns + max(j - 1, 0)].xyz;
-    vec3 along_v = x[max(i - 1, 0) * columns + j].xyz - x[min(i + 1, rows - 1) * columns + j].xyz;
+    int row = i * columns;
+    vec3 along_u = texelFetch(Position, row + min(j + 1, columns - 1)).xyz - texelFetch(Position, row + max(j - 1, 0)).xyz;
+    vec3 along_v = texelFetch(Position, max(i - 1, 0) * columns + j).xyz
+                 - texelFetch(Position, min(i + 1, rows - 1) * columns + j).xyz;
     vec3 N = cross(along_u, along_v);
     float l = length(N);
     N = l > 0.0 ? N / l : vec3(0.0, 0.0, 1.0);

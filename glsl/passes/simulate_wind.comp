@@ -2,8 +2,8 @@
 // Force of the air on every triangle. One invocation per quad, two triangles each.
 #include "simulate/wind.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Position { vec4 x[]; };
-layout(std430, binding = 1) readonly buffer Velocity { vec4 v[]; };
+layout(binding = 0) uniform samplerBuffer Position;
+layout(binding = 1) uniform samplerBuffer Velocity;
 layout(std430, binding = 2) writeonly buffer AirForce { vec4 F[]; };
 uniform int rows;
 uniform int columns;
@@ -16,11 +16,11 @@ uniform float C_t;
 uniform float triangle_mass; // kg
 
 vec4 air_force(int i_0, int i_1, int i_2) {
-    vec3 p_0 = x[i_0].xyz;
-    vec3 p_1 = x[i_1].xyz;
-    vec3 p_2 = x[i_2].xyz;
+    vec3 p_0 = texelFetch(Position, i_0).xyz;
+    vec3 p_1 = texelFetch(Position, i_1).xyz;
+    vec3 p_2 = texelFetch(Position, i_2).xyz;
     vec3 air = wind * gust((p_0 + p_1 + p_2) / 3.0, time, wind, gustiness);
-    vec3 v_rel = air - (v[i_0].xyz + v[i_1].xyz + v[i_2].xyz) / 3.0;
+    vec3 v_rel = air - (texelFetch(Velocity, i_0).xyz + texelFetch(Velocity, i_1).xyz + texelFetch(Velocity, i_2).xyz) / 3.0;
     vec3 S = 0.5 * cross(p_1 - p_0, p_2 - p_0);
     return vec4(drag_limited(drag(v_rel, S, C_n, C_t), v_rel, triangle_mass, h), 0.0);
 }

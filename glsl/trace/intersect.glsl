@@ -40,23 +40,35 @@ float edge_function(vec2 p, vec2 q) {
     return f;
 }
 
-// [Woop 2013]  Where a ray meets the triangle a, b, c, given relative to the ray's origin and with the ray's longest axis
-// last: (t, v, w, determinant) with the barycentric coordinates of b and c; t = -1 for a miss.
+// [Woop 2013]  A point, relative to the ray's origin and with the ray's longest axis last, seen along the ray.
+vec2 sheared(vec3 p, vec3 shear) {
+    precise vec2 s = p.xy - shear.xy * p.z;
+    return s;
+}
+
+// [Woop 2013]  Where a ray meets a triangle: (t, v, w, determinant) from the three edge functions (opposite the first, the
+// second and the third corner) and the depths of the corners along the longest axis; t = -1 for a miss.
 // Two triangles that share an edge get opposite values of its edge function, so no ray slips through between them; a ray
 // on the edge meets both.
-vec4 hit_triangle(vec3 a, vec3 b, vec3 c, vec3 shear) {
-    precise vec2 A = a.xy - shear.xy * a.z;
-    precise vec2 B = b.xy - shear.xy * b.z;
-    precise vec2 C = c.xy - shear.xy * c.z;
-    float U = edge_function(C, B);
-    float V = edge_function(A, C);
-    float W = edge_function(B, A);
+vec4 hit_edges(vec3 edges, vec3 depths, vec3 shear) {
+    float U = edges.x;
+    float V = edges.y;
+    float W = edges.z;
     float determinant = U + V + W;
     // Comparisons instead of min and max, which have to mind NaN; no branch, because the lanes of a SIMD vector seldom agree.
     bool miss = (U < 0.0 || V < 0.0 || W < 0.0) && (U > 0.0 || V > 0.0 || W > 0.0) || determinant == 0.0;
     float inverse = 1.0 / determinant;
-    float t = (U * a.z + V * b.z + W * c.z) * shear.z * inverse;
+    float t = (U * depths.x + V * depths.y + W * depths.z) * shear.z * inverse;
     return miss ? vec4(-1.0, 0.0, 0.0, 0.0) : vec4(t, V * inverse, W * inverse, 0.5 * determinant);
+}
+
+// [Woop 2013]  Where a ray meets the triangle a, b, c, given relative to the ray's origin and with the ray's longest axis
+// last: (t, v, w, determinant) with the barycentric coordinates of b and c; t = -1 for a miss.
+vec4 hit_triangle(vec3 a, vec3 b, vec3 c, vec3 shear) {
+    vec2 A = sheared(a, shear);
+    vec2 B = sheared(b, shear);
+    vec2 C = sheared(c, shear);
+    return hit_edges(vec3(edge_function(C, B), edge_function(A, C), edge_function(B, A)), vec3(a.z, b.z, c.z), shear);
 }
 
 // [own]  Where a ray goes on behind what it met at t. Hits within a hair of each other are the same layer's: two triangles

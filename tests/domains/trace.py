@@ -53,6 +53,12 @@ SPECIAL = {
     ("hit_triangle", "b"): near,
     ("hit_triangle", "c"): near,
     ("hit_triangle", "shear"): lambda rng, count: np.c_[rng.uniform(-0.5, 0.5, (count, 2)), rng.uniform(0.6, 1, count)],
+    ("sheared", "p"): near,
+    ("sheared", "shear"): lambda rng, count: np.c_[rng.uniform(-0.5, 0.5, (count, 2)), rng.uniform(0.6, 1, count)],
+    # Values of one sign, and of both: hits and misses.
+    ("hit_edges", "edges"): lambda rng, count: rng.uniform(-0.2, 1, (count, 3)) * rng.choice([-1.0, 1.0], (count, 1)),
+    ("hit_edges", "depths"): lambda rng, count: rng.uniform(0.5, 3, (count, 3)),
+    ("hit_edges", "shear"): lambda rng, count: np.c_[rng.uniform(-0.5, 0.5, (count, 2)), rng.uniform(0.6, 1, count)],
     ("octahedral", "n"): directions_and_axes,
     ("from_octahedral", "p"): lambda rng, count: rng.uniform(-1, 1, (count, 2)),
     ("middle_plane", "low"): low_corner,
