@@ -272,11 +272,14 @@ class Renderer:
         if scene.background:
             self.draw_background(frame)
 
-    def look(self, frame: Frame) -> Iterator[int]:
-        """Trace what a frame's shadows lack, in steps; nothing where they are complete or off."""
+    def look(self, frame: Frame, count: int = 32) -> Iterator[int]:
+        """Trace what a frame's shadows lack, `count` directions a step; nothing where they are complete or off.
+
+        Yields how many directions are traced.
+        """
         shadows = self._prepare_shadows(frame)
         if shadows is not None:
-            yield from shadows.steps()
+            yield from shadows.steps(count)
 
     def _shadow_mode(self, frame: Frame) -> ShadowMode:
         scene = frame.scene

@@ -9,11 +9,13 @@ from dataclasses import dataclass, replace
 import moderngl
 
 from .. import shader
+from ..cloth.visibility import FEWEST
 from ..renderer import Frame, Renderer
 
 BUDGET = 0.033  # seconds between two looks at the input
 LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # by how much a preview is smaller than the picture
 HALF_FROM = 0.5  # seconds of full size from which a picture of half the size comes first
+SLICE = 0.018  # seconds of tracing shadows between two looks
 FINAL_UNIT, BASE_UNIT, COVER_UNIT = 0, 1, 2
 
 
@@ -50,6 +52,7 @@ class Refiner:
         self._copy = shader.program(self.ctx, "passes/screen.vert", "passes/refine.frag")
         self._plan: Iterator[None] | None = None
         self._until = 0.0
+        self._directions = 4  # of the shadows, at a time
 
     @property
     def idle(self) -> bool:
@@ -104,14 +107,17 @@ class Refiner:
     def _all(self) -> Iterator[bool]:
         """Previews of all sides, then each at full size; yields whether something new is to be seen."""
         frames = list(self._frames)
+        yield from self._shadows(frames, FEWEST)
         begin = time.perf_counter()
         for number, frame in enumerate(frames):
             small = _smaller(frame, self._scale)
-            self.renderer.draw(small)
+            for _ in self.renderer.steps(small, hurry=True):
+                pass
             self._take(number, "preview", small, self._scale)
         self.ctx.finish()
         self._learn(time.perf_counter() - begin)
         yield True
+        yield from self._shadows(frames)
         for number, frame in enumerate(frames):
             heavy = frame.scene.method == "reference"
             rows = self._seconds_per_row.get(_cost_key(frame), 1e-3)
@@ -119,6 +125,19 @@ class Refiner:
                 yield from self._at(number, _smaller(frame, 2.0), 2.0)
         for number, frame in enumerate(frames):
             yield from self._at(number, frame, 1.0)
+
+    def _shadows(self, frames: list[Frame], enough: int | None = None) -> Iterator[bool]:
+        """Trace what the shadows of these frames lack, or only the directions that a first impression needs."""
+        for frame in frames:
+            last = time.perf_counter()
+            for done in self.renderer.look(frame, self._directions):
+                now = time.perf_counter()
+                share = SLICE / max(now - last, 1e-4)
+                self._directions = max(1, min(32, round(self._directions * min(max(share, 0.5), 2.0))))
+                if enough is not None and done >= enough:
+                    break
+                yield False
+                last = time.perf_counter()
 
     def _learn(self, seconds: float) -> None:
         """Choose the next preview's size from how long this one took."""
