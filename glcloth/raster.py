@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import moderngl
 import numpy as np
 
@@ -58,9 +60,20 @@ class GBuffer:
 
         Does nothing when they hold just that: an edit of fabric or light moves no pixel.
         """
+        for _ in self.draw_bands(mesh, camera, offset, self.size[1]):
+            pass
+
+    def draw_bands(self, mesh: MeshBuffers, camera: Camera, offset, rows: int) -> Iterator[None]:
+        """As `draw`, so many rows at a time, for a caller with other things to do in between."""
         if self._drawn == (mesh, camera, offset):
             return
+        self._drawn = None
+        for first in range(0, self.size[1], rows):
+            self._draw_band(mesh, camera, offset, (0, first, self.size[0], min(rows, self.size[1] - first)))
+            yield
         self._drawn = mesh, camera, offset
+
+    def _draw_band(self, mesh: MeshBuffers, camera: Camera, offset, band: tuple[int, int, int, int]) -> None:
         near, far = camera.depth_range(mesh.low, mesh.high)
         clip = camera.clip_from_world(self.size, near, far, offset)
         self.ray_from_pixel = camera.ray_from_pixel(self.size, offset)
@@ -70,14 +83,17 @@ class GBuffer:
         array = self.ctx.vertex_array(self.program, layout, mesh.indices.buffer, 4)
         mesh.vertices.bind(POINT_UNITS[0])
         mesh.indices.bind(POINT_UNITS[1])
+        whole = band[3] == self.size[1]
+        self.frames.scissor = None if whole else band
         self.frames.use()
         self.frames.viewport = (0, 0, *self.size)
-        self.frames.clear(0.0, 0.0, 0.0, 0.0, depth=1.0)
+        self.frames.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=None if whole else band)
         self.ctx.enable_only(moderngl.DEPTH_TEST)
         self.ctx.depth_func = "<"
         self.frames.depth_mask = True
         array.render()
         array.release()
+        self.frames.scissor = None
 
     def clear_color(self) -> None:
         """Black, alpha 0, everywhere."""

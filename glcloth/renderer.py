@@ -41,6 +41,7 @@ OCCLUDER_STRUCTURE = "lbvh"  # any-hit rays of the built-in cloth: as fast as th
 # Numbers of tangents and widths of lobes that need a program each (cloth/direct.py, VARIANTS). More than 8 tangents take
 # seconds to compile and are rare: those wait for it. The first comes twice: llvmpipe compiles the very first one anew.
 WARM_UP = ((4, 20.0), (4, 4.0), (5, 4.0), (8, 4.0), (4, 20.0))
+BAND_PIXELS = 240_000  # of the G-buffer at a time, where a caller has other things to do in between
 KEPT_SIZES = 3  # G-buffers that stay when the size of the picture changes
 
 
@@ -244,15 +245,15 @@ class Renderer:
         program = self.program("passes/shade.frag", method, shadows is not None)
         buffer.clear_color()
         if scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1:
-            self._shade_adaptively(buffer, mesh, method, program, frame, shadows)
+            for _ in self._shade_adaptively(buffer, mesh, method, program, frame, shadows, rows):
+                yield 0, 1
             yield 1, 1
             jobs = []
         drawn = None
         for done, (offset, uniforms) in enumerate(track(jobs, what) if what and len(jobs) > 1 else jobs):
             if offset != drawn:
-                buffer.draw(mesh, frame.camera, offset)
-                if shadows is not None:
-                    shadows.look(buffer, method)
+                for _ in self._place(buffer, mesh, method, frame, shadows, offset, rows is not None):
+                    yield done, len(jobs)
                 drawn = offset
             first = 0
             while first < scene.size[1]:
@@ -307,24 +308,50 @@ class Renderer:
             self._finer = frame.mesh, subdivided(frame.mesh)
         return self._finer[1]
 
+    def _place(
+        self, buffer: GBuffer, mesh: MeshBuffers, method, frame: Frame, shadows: Shadows | None, offset, in_bands: bool
+    ) -> Iterator[None]:
+        """Draw what every pixel sees of the cloth, and of the lights; in bands it yields after each."""
+        if not in_bands:
+            buffer.draw(mesh, frame.camera, offset)
+        else:
+            rows = max(1, BAND_PIXELS // buffer.size[0])
+            for _ in buffer.draw_bands(mesh, frame.camera, offset, rows):
+                self.ctx.finish()
+                yield
+        if shadows is not None:
+            shadows.look(buffer, method)
+            if in_bands:
+                self.ctx.finish()
+                yield
+
     def _shade_adaptively(
-        self, buffer: GBuffer, mesh: MeshBuffers, method, program, frame: Frame, shadows: Shadows | None
-    ) -> None:
+        self,
+        buffer: GBuffer,
+        mesh: MeshBuffers,
+        method,
+        program,
+        frame: Frame,
+        shadows: Shadows | None,
+        rows: Callable[[], int] | None,
+    ) -> Iterator[None]:
         """One pixel in four, and the others where their neighbours differ; `high` and spp > 1 shade every pixel."""
         if self._adaptive is None:
             self._adaptive = AdaptiveRate(self.ctx)
-        buffer.draw(mesh, frame.camera)
-        if shadows is not None:
-            shadows.look(buffer, method)
+        yield from self._place(buffer, mesh, method, frame, shadows, (0.0, 0.0), rows is not None)
         list_program = self.program("passes/shade_list.comp", method, shadows is not None)
-        for one in (program, list_program):
+
+        def bind(one) -> None:
             self.shared.bind(one)
             if shadows is not None:
                 shadows.bind(one, frame.fabric, self.shared)
             method.bind(one)
+
+        for one in (program, list_program):
+            bind(one)
         shader.set_uniforms(program, pass_weight=1.0, pass_cover=1.0)
-        narrowest = min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in frame.fabric.yarn)
-        self._adaptive.shade(buffer, program, list_program, float(np.radians(narrowest)))
+        narrowest = float(np.radians(min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in frame.fabric.yarn)))
+        yield from self._adaptive.steps(buffer, program, list_program, narrowest, bind, rows)
 
     def warm_up(self, frame: Frame) -> Iterator[None]:
         """Compile what later edits of the weave may need, one way of packing tangents at each step, by drawing a frame's

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+
 import moderngl
 import numpy as np
 
@@ -37,15 +39,45 @@ class AdaptiveRate:
         program, list_program : of passes/shade.frag and of passes/shade_list.comp with one method, bound to its data
         narrowest_lobe : gamma, radians
         """
+        for _ in self.steps(buffer, program, list_program, narrowest_lobe, lambda _: None):
+            pass
+
+    def steps(
+        self,
+        buffer: GBuffer,
+        program,
+        list_program,
+        narrowest_lobe: float,
+        bind: Callable[[object], None],
+        rows: Callable[[], int] | None = None,
+    ) -> Iterator[None]:
+        """As `shade`, a part at a time, for a caller with other things to do in between.
+
+        Parameters
+        ----------
+        bind : binds a program's data again, after others may have drawn
+        rows : called before each part: how many rows' worth of pixels it may shade; None: all
+        """
         self._make(buffer)
         self._cover["pixel_stride"].value = 2
         buffer.bind(self._cover)
         # The screen triangle lies at depth 1: it passes `>` at depth 0, and early depth testing drops the other pixels.
         self._draw(self._cover, self._coarse, moderngl.DEPTH_TEST, "1", True)
-        buffer.bind(program)
-        program["pixel_stride"].value = 2
-        self._draw(program, self._coarse, moderngl.DEPTH_TEST, ">", False)
-        program["pixel_stride"].value = 1
+        first, height = 0, self._coarse.size[1]
+        while first < height:
+            # A coarse row has half the pixels of a row.
+            count = height if rows is None else max(1, min(2 * rows(), height - first))
+            bind(program)
+            buffer.bind(program)
+            program["pixel_stride"].value = 2
+            self._coarse.scissor = None if rows is None else (0, first, self._coarse.size[0], count)
+            self._draw(program, self._coarse, moderngl.DEPTH_TEST, ">", False)
+            self._coarse.scissor = None
+            program["pixel_stride"].value = 1
+            first += count
+            if rows is not None:
+                self.ctx.finish()
+                yield
         self._list.write(np.array([0, 1, 1, 0], "u4").tobytes())
         self._list.bind_to_storage_buffer(LIST_BINDING)
         self._color.use(COARSE_UNIT)
@@ -54,9 +86,30 @@ class AdaptiveRate:
         self._fill["bend_limit"].value = BEND * narrowest_lobe
         self._draw(self._fill, buffer.target, moderngl.DEPTH_TEST, ">", False)
         self.ctx.memory_barrier(moderngl.ALL_BARRIER_BITS)
-        buffer.bind(list_program)
+        if rows is None:
+            self._shade_list(buffer, list_program)
+            yield
+            return
+        left, done = self.shaded(), 0
+        yield
+        while done < left:
+            count = min(max(64, rows() * buffer.size[0] // 64 * 64), left - done)
+            bind(list_program)
+            self._shade_list(buffer, list_program, done, count)
+            self.ctx.finish()
+            done += count
+            yield
+
+    def _shade_list(self, buffer: GBuffer, program, first: int = 0, count: int | None = None) -> None:
+        """Shade the pixels of the list, or `count` of them from the `first` on."""
+        self._list.bind_to_storage_buffer(LIST_BINDING)
+        buffer.bind(program)
         buffer.color.bind_to_image(COLOR_IMAGE, read=False, write=True)
-        list_program.run_indirect(self._list)
+        program["first"].value = first
+        if count is None:
+            program.run_indirect(self._list)
+        else:
+            program.run(-(-count // 64))
         self.ctx.memory_barrier(moderngl.ALL_BARRIER_BITS)
         buffer.target.use()
 

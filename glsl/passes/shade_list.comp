@@ -10,10 +10,11 @@ layout(std430, binding = 0) readonly buffer Pixels {
     uint count;
     uint pixels[];  // x + 65536 y
 };
+uniform uint first;  // where in the list this dispatch begins
 layout(rgba32f, binding = 0) writeonly uniform image2D color;
 
 void main() {
-    uint i = gl_GlobalInvocationID.x;
+    uint i = first + gl_GlobalInvocationID.x;
     // Invocations behind the end repeat the last pixel: a value that is written twice costs less than a branch.
     uint packed_pixel = pixels[min(i, count - 1u)];
     ivec2 pixel = ivec2(packed_pixel & 0xffffu, packed_pixel >> 16);
