@@ -27,6 +27,7 @@ from .tree_window import TreeWindow
 
 DEFAULT_SIZE = (1280, 720)
 PANEL = 400  # width of the panels at 96 dpi
+LATE = 0.012  # seconds into a step after which the screen waits for the next one
 WAKE = 3  # pictures of the panels after an event: hovering and fading settle within these
 NOT_LIGHT = ("exposure", "view_transform")  # how a picture is shown
 
@@ -60,7 +61,8 @@ class App:
         self._shown: Document | None = None
         self._curtain_drawn: CurtainScene | None = None
         self._go_to: int | None = frame_of(source) if isinstance(scene, CurtainScene) else None
-        self._ui_seconds = 0.01
+        self._ui_seconds = 0.005  # what the panels take of a step
+        self._owed = False  # something is drawn and not yet shown
         self.navigation = Navigation(self)
         self.host = Host((wanted[0] + PANEL, wanted[1]), self._heard, self.navigation.type, self._dropped)
         self.ctx = self.host.ctx
@@ -119,16 +121,14 @@ class App:
         self.files.dialogs.poll()
         self._panels()
         changed = self._follow_document()
-        drawn = 0.0
-        if self.busy:
-            start = time.perf_counter()
-            changed |= self._work(max(BUDGET - self._ui_seconds, 0.012))
-            drawn = time.perf_counter() - start
-        if changed or self._awake > 0:
+        # What was drawn in the last step is shown in this one, so that neither takes longer than a look at the input may.
+        owed, self._owed = self._owed, False
+        if self.busy and not owed:
+            changed |= self._work(max(BUDGET - self._ui_seconds - 0.003, 0.012))
+            self._owed = changed and time.perf_counter() - begin > LATE
+        if not self._owed and (owed or changed or self._awake > 0):
             self._present()
             self._awake -= 1
-            # Only drawing is in the budget's hands; the panels' share is what it must leave.
-            self._ui_seconds += 0.2 * (min(time.perf_counter() - begin - drawn, 0.1) - self._ui_seconds)
         self.host.collect()
 
     @property
@@ -156,7 +156,7 @@ class App:
         return self.player.frame if self.session.in_curtain and self.player else 0
 
     def _wait(self) -> None:
-        if self._awake > 0 or self.busy:
+        if self._awake > 0 or self.busy or self._owed:
             glfw.poll_events()
         elif self.pending or self.files.dialogs.waiting:
             glfw.wait_events_timeout(0.03)
@@ -199,6 +199,7 @@ class App:
         self.files.save_later()
 
     def _panels(self) -> None:
+        begin = time.perf_counter()
         imgui.backends.opengl3_new_frame()
         imgui.backends.glfw_new_frame()
         imgui.new_frame()
@@ -207,6 +208,7 @@ class App:
             self.panels.draw()
         finally:
             imgui.render()
+        self._ui_seconds += 0.2 * (min(time.perf_counter() - begin, 0.02) - self._ui_seconds)
         if not imgui.is_any_item_active() and self.navigation.drag is None:
             self.session.end_gesture()
 

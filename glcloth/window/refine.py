@@ -12,10 +12,10 @@ from .. import shader
 from ..cloth.visibility import FEWEST
 from ..renderer import Frame, Renderer
 
-BUDGET = 0.033  # seconds between two looks at the input
+BUDGET = 0.026  # seconds between two looks at the input that are aimed at, so that they are rarely 0.033
 LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # by how much a preview is smaller than the picture
-HALF_FROM = 0.5  # seconds of full size from which a picture of half the size comes first
-SLICE = 0.018  # seconds of tracing shadows between two looks
+HALF_FROM = 0.8  # seconds of full size from which something quicker comes first
+SLICE = 0.016  # seconds of work that is not split further, between two looks
 FINAL_UNIT, BASE_UNIT, COVER_UNIT = 0, 1, 2
 
 
@@ -47,6 +47,7 @@ class Refiner:
         self.preview_ms = 0.0
         self._frames: list[Frame] = []
         self._scale = 6.0
+        self._refining = self._again = False
         self._seconds_per_row: dict[tuple, float] = {}
         self._targets: dict[tuple, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
         self._copy = shader.program(self.ctx, "passes/screen.vert", "passes/refine.frag")
@@ -60,15 +61,19 @@ class Refiner:
         return self._plan is None
 
     def show(self, frames: list[Frame]) -> None:
-        """Draw these frames from now on; what was under way is dropped."""
+        """Draw these frames from now on. A small picture under way is finished first: else the edits of a drag, one
+        after the other, would let none be seen."""
         self._frames = frames
-        self._plan = None
-        self._plan = self._all()
         while len(self.sides) < len(frames):
             self.sides.append(Side())
         del self.sides[len(frames) :]
         for side in self.sides:
             side.share = 0.0
+        if self._plan is None or self._refining:
+            self._plan = None  # first: what the old plan holds on to is let go
+            self._plan = self._all()
+        else:
+            self._again = True
 
     def work(self, budget: float = BUDGET) -> bool:
         """Draw for about `budget` seconds; True when what a side shows has changed."""
@@ -78,8 +83,11 @@ class Refiner:
         self._until = time.perf_counter() + budget
         try:
             while True:
+                begin = time.perf_counter()
                 changed |= next(self._plan)
-                if time.perf_counter() >= self._until:
+                now = time.perf_counter()
+                # The next slice is likely as long as this one; it must end in time too.
+                if now + 0.7 * (now - begin) >= self._until:
                     return changed
         except StopIteration:
             self._plan = None
@@ -106,25 +114,57 @@ class Refiner:
 
     def _all(self) -> Iterator[bool]:
         """Previews of all sides, then each at full size; yields whether something new is to be seen."""
-        frames = list(self._frames)
-        yield from self._shadows(frames, FEWEST)
-        begin = time.perf_counter()
-        for number, frame in enumerate(frames):
-            small = _smaller(frame, self._scale)
-            for _ in self.renderer.steps(small, hurry=True):
-                pass
-            self._take(number, "preview", small, self._scale)
-        self.ctx.finish()
-        self._learn(time.perf_counter() - begin)
-        yield True
+        self._refining = False
+        while True:
+            self._again = False
+            frames = list(self._frames)
+            yield from self._shadows(frames, FEWEST)
+            for number, frame in enumerate(frames):
+                yield from self._preview(number, frame)
+            yield True
+            if not self._again:
+                break
+        self._refining = True
         yield from self._shadows(frames)
         for number, frame in enumerate(frames):
-            heavy = frame.scene.method == "reference"
-            rows = self._seconds_per_row.get(_cost_key(frame), 1e-3)
-            if self._scale > 2.0 and (heavy or rows * frame.scene.size[1] * frame.scene.spp > HALF_FROM):
-                yield from self._at(number, _smaller(frame, 2.0), 2.0)
+            yield from self._between(number, frame)
         for number, frame in enumerate(frames):
-            yield from self._at(number, frame, 1.0)
+            yield from self._at(number, frame, 1.0, "full")
+
+    def _preview(self, number: int, frame: Frame) -> Iterator[bool]:
+        """A small picture that takes little time, and the size of the next one from how long it took."""
+        scale = self._scale
+        small = _smaller(frame, scale)
+        last = time.perf_counter()
+        slowest = spent = 0.0
+        for _ in self.renderer.steps(small, lambda: small.scene.size[1], hurry=True):
+            now = time.perf_counter()
+            slowest, spent = max(slowest, now - last), spent + now - last
+            yield False
+            last = time.perf_counter()
+        if number < len(self.sides):
+            self._take(number, "preview", small, scale)
+            self.ctx.finish()
+        now = time.perf_counter()
+        self.preview_ms = 1e3 * (spent + now - last)
+        self._learn(max(slowest, now - last))
+        yield False
+
+    def _between(self, number: int, frame: Frame) -> Iterator[bool]:
+        """What is shown between a preview and a full picture that takes long: the adaptive rate, or half the size."""
+        scene = frame.scene
+        rows = self._seconds_per_row.get(_cost_key(frame), 1e-3)
+        long = rows * scene.size[1] * scene.spp > HALF_FROM
+        if self._scale <= 1.0 or not (long or scene.method == "reference"):
+            return
+        method = "direct" if scene.method == "reference" else scene.method
+        quality = "normal" if scene.quality == "high" else scene.quality
+        if method == "direct":
+            quick = scene.model_copy(update={"adaptive": True, "spp": 1, "method": method, "quality": quality})
+            if quick != scene:
+                yield from self._at(number, replace(frame, scene=quick), 1.0, "quick")
+        elif self._scale > 2.0:
+            yield from self._at(number, _smaller(frame, 2.0), 2.0, "half")
 
     def _shadows(self, frames: list[Frame], enough: int | None = None) -> Iterator[bool]:
         """Trace what the shadows of these frames lack, or only the directions that a first impression needs."""
@@ -140,20 +180,19 @@ class Refiner:
                 last = time.perf_counter()
 
     def _learn(self, seconds: float) -> None:
-        """Choose the next preview's size from how long this one took."""
-        self.preview_ms = 1e3 * seconds
+        """Choose the next preview's size from how long the slowest part of this one took."""
         place = LADDER.index(self._scale)
-        if seconds > 1.5 * BUDGET and place + 1 < len(LADDER):
+        if seconds > 1.4 * SLICE and place + 1 < len(LADDER):
             self._scale = LADDER[place + 1]
-        elif place > 0 and seconds * (self._scale / LADDER[place - 1]) ** 2 < 0.8 * BUDGET:
+        elif place > 0 and seconds * (self._scale / LADDER[place - 1]) ** 2 < SLICE:
             self._scale = LADDER[place - 1]
 
-    def _at(self, number: int, frame: Frame, scale: float) -> Iterator[bool]:
+    def _at(self, number: int, frame: Frame, scale: float, stage: str) -> Iterator[bool]:
         """Draw one frame in bands as high as the time left allows."""
         key = _cost_key(frame, scale)
         whole = 0
         last = time.perf_counter()
-        wanted = [1]
+        wanted = [0]  # rows of the step under way; 0: it shades none
 
         def rows() -> int:
             pace = self._seconds_per_row.get(key, BUDGET / 16)
@@ -161,19 +200,18 @@ class Refiner:
             wanted[0] = max(1, int(left / pace))
             return wanted[0]
 
-        final = scale == 1.0
-        first = True
+        final = stage == "full"
         done = total = rows_done = 0
         for done, total in self.renderer.steps(frame, rows):
             now = time.perf_counter()
-            # The first step also fills the G-buffer, which says nothing about rows.
-            if not first:
-                pace = (now - last) / min(wanted[0], frame.scene.size[1])
+            shaded = min(wanted[0], frame.scene.size[1])
+            wanted[0] = 0
+            if shaded:
+                pace = (now - last) / shaded
                 before = self._seconds_per_row.get(key, pace)
                 self._seconds_per_row[key] = 0.7 * before + 0.3 * min(pace, 4 * before)
-            first = False
             if final and number < len(self.sides):
-                rows_done += min(wanted[0], frame.scene.size[1])
+                rows_done += shaded
                 self.sides[number].share = min(max(done, rows_done / frame.scene.size[1]) / total, 0.999)
             if final and done > whole and done < total:
                 whole = done
@@ -182,7 +220,9 @@ class Refiner:
             else:
                 yield False
             last = time.perf_counter()
-        self._take(number, "full" if final else "half", frame, scale)
+        self.ctx.finish()
+        yield False  # the background was a step of its own
+        self._take(number, stage, frame, scale)
         if final:
             self.sides[number].share = 1.0
         yield True
@@ -246,4 +286,4 @@ def _smaller(frame: Frame, scale: float) -> Frame:
 
 
 def _cost_key(frame: Frame, scale: float = 1.0) -> tuple:
-    return frame.scene.method, frame.scene.quality, frame.scene.size[0], scale
+    return frame.scene.method, frame.scene.quality, frame.scene.adaptive, frame.scene.size[0], scale
