@@ -320,6 +320,10 @@ class Renderer:
                 self.ctx.finish()
                 yield
         if shadows is not None:
+            if in_bands:
+                shadows.integrate(method)
+                self.ctx.finish()
+                yield
             shadows.look(buffer, method)
             if in_bands:
                 self.ctx.finish()

@@ -10,6 +10,7 @@ than `growth_limit` times their triangles) become leaves; no tree is deeper than
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,32 +104,30 @@ class KdTree:
 
         Raises InputError when more than 60,000 triangles lie so upon each other that no plane parts them.
         """
+        for _ in self.build_steps(triangles):
+            pass
+
+    def build_steps(self, triangles: Triangles) -> Iterator[None]:
+        """As `build`, stage by stage, for a caller with other things to do in between."""
         if triangles.count == 0:
             self._empty()
             return
         count, _ = triangles.pairs(self.parameters.pairs)
         self._grow("n", int(self._room * (3 * count + 256)), more=False)
         self._grow("r", max(int(self._room * (2.5 * count + 256)), count), more=False)
-        while not self._attempt(triangles):
+        while not (yield from self._attempt(triangles)):
             self.growths += 1
 
-    def _attempt(self, triangles: Triangles) -> bool:
-        """One build; False when a buffer was too small, which is larger then."""
+    def _attempt(self, triangles: Triangles) -> Iterator[None]:
+        """One build; returns False when a buffer was too small, which is larger then."""
         p, capacity = self.parameters, self._capacity
         self._laps = [("", time.perf_counter())]
         counters = np.zeros(CONSTANTS["COUNTERS"], np.uint32)
         counters[CONSTANTS["NODE_COUNT"]] = 1
         self._counters.write(counters.tobytes())
-        for name in ("refs", "nodes", "roots", "masks", "sizes", "places", "tree_nodes", "leaf_pairs"):
-            self._write(name)
-        self._read("refs")
-        self._read("nodes")
-        self._counters.bind_to_storage_buffer(COUNTERS_BINDING)
-        triangles.corners.bind(UNITS["corners"])
-        triangles.attributes.bind(UNITS["attributes"])
+        self._bind_stages(triangles)
         self._write("active", "active_a")
-        count, pairs = triangles.pairs(p.pairs)
-        pairs.bind(UNITS["pairs"])
+        count, _ = triangles.pairs(p.pairs)
         self._run("init", -(-count // 64), pair_count=count, padding=triangles.padding)
         self._lap("init")
 
@@ -145,7 +144,8 @@ class KdTree:
                 f"kd-tree: {longest} triangles lie upon each other, expected at most {LONGEST_LEAF}; are they copies?"
             )
         self._lap("large")
-
+        yield
+        self._resume(triangles)
         self._read("roots")
         self._write("active", "active_a")
         small = {"small_base": 2 * capacity["r"]}
@@ -159,7 +159,8 @@ class KdTree:
             return False
         self.small_levels = levels
         self._lap("small")
-
+        yield
+        self._resume(triangles)
         generations = sorted(set(generations))
         self.node_count = generations[-1]
         self._buffers["bounds"].write(np.array(generations, np.uint32))
@@ -179,6 +180,24 @@ class KdTree:
         self.low, self.high = root[:3].copy(), root[4:7].copy()
         self._lap("emit")
         return True
+
+    def _bind_stages(self, triangles: Triangles) -> None:
+        """Bind what all stages share."""
+        for name in ("refs", "nodes", "roots", "masks", "sizes", "places", "tree_nodes", "leaf_pairs"):
+            self._write(name)
+        self._read("refs")
+        self._read("nodes")
+        self._counters.bind_to_storage_buffer(COUNTERS_BINDING)
+        triangles.corners.bind(UNITS["corners"])
+        triangles.attributes.bind(UNITS["attributes"])
+        triangles.pairs(self.parameters.pairs)[1].bind(UNITS["pairs"])
+
+    def _resume(self, triangles: Triangles) -> None:
+        """Bind again what others may have unbound since the last stage; what they took is no part of the build's time."""
+        self._bind_stages(triangles)
+        self._read("roots")
+        self._read("masks")
+        self._laps.append(("", time.perf_counter()))
 
     def _large(self, padding: float, generations: list[int]) -> int | None:
         """Split the large nodes level by level; the number of levels, None when a buffer was too small."""
@@ -290,7 +309,7 @@ class KdTree:
         now = time.perf_counter()
         self._laps.append((stage, now))
         pairs = zip(self._laps[:-1], self._laps[1:], strict=True)
-        self.timings = {name: 1000 * (end - start) for (_, start), (name, end) in pairs}
+        self.timings = {name: 1000 * (end - start) for (_, start), (name, end) in pairs if name}
 
     # -- tracing and looking -------------------------------------------------------------------------------------
 

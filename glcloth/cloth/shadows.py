@@ -63,14 +63,18 @@ class Shadows:
             while self.vertices.done < FEWEST:
                 self.vertices.step(FEWEST)
 
+    def integrate(self, method) -> None:
+        """Make the means of the vertices under the present lights; nothing when they are made."""
+        if self._mode == "full":
+            self.vertices.integrate(self._lights, getattr(method, "broad", np.zeros(len(self._lights.gaussians))))
+
     def look(self, buffer: GBuffer, method) -> None:
         """Fill the layers of what the pixels of a G-buffer see, as it is drawn now; nothing when they hold just that."""
         lights = self._lights
         full = self._mode == "full"
         self._broad_layer = 1 + len(lights.gaussians)
         self._sun_layer = self._broad_layer + BROAD_LAYERS
-        if full:
-            self.vertices.integrate(lights, getattr(method, "broad", np.zeros(len(lights.gaussians))))
+        self.integrate(method)
         seen = buffer.reserve_seen(self._sun_layer + len(lights.suns))
         self._seen = seen
         state = buffer.drawn, self._mode, self._structure, seen, self.vertices.version if full else 0

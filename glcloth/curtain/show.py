@@ -230,9 +230,15 @@ class CurtainShow:
 
     def build(self) -> None:
         """Build the scene's structure for the present frame, if it is not yet."""
-        if not self.built:
-            self.tracer.build(self.scene.accelerator)
-            self._built.add(self.scene.accelerator)
+        for _ in self.building():
+            pass
+
+    def building(self) -> Iterator[None]:
+        """As `build`, in steps for a caller with other things to do in between; begun anew when it is dropped."""
+        accelerator = self.scene.accelerator
+        if accelerator not in self._built:
+            yield from self.tracer.build_steps(accelerator)
+            self._built.add(accelerator)
 
     def picture(self) -> np.ndarray:
         """Trace the present frame: float32 [H, W, 3], linear Rec. 709, top row first."""

@@ -168,6 +168,14 @@ class Tracer:
         """Build the structure of the triangles as they are now."""
         self.structure(accelerator).build(self.triangles)
 
+    def build_steps(self, accelerator: str = "kdtree") -> Iterator[None]:
+        """As `build`, in steps where the structure has some, for a caller with other things to do in between."""
+        structure = self.structure(accelerator)
+        if hasattr(structure, "build_steps"):
+            yield from structure.build_steps(self.triangles)
+        else:
+            structure.build(self.triangles)
+
     def render(
         self,
         positions: np.ndarray,

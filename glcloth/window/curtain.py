@@ -174,12 +174,7 @@ class Player:
                 self._wanted = self.curtain.frame + 1
             while self.curtain.frame < self._wanted:
                 yield from self._simulate()
-            if not self.curtain.built:
-                begin = time.perf_counter()
-                self.curtain.build()
-                self.ctx.finish()
-                self.timings.build = 1e3 * (time.perf_counter() - begin)
-                yield False
+            yield from self._build()
             self._tell()
             scale = self._scale(PLAYING if self.playing else MOVING)
             playing = self.playing
@@ -235,6 +230,19 @@ class Player:
             begin = time.perf_counter()
         self._moving = None
         self.timings.simulate = 1e3 * self._simulated
+
+    def _build(self) -> Iterator[bool]:
+        if self.curtain.built:
+            return
+        spent, begin = 0.0, time.perf_counter()
+        for _ in self.curtain.building():
+            self.ctx.finish()
+            spent += time.perf_counter() - begin
+            yield False
+            begin = time.perf_counter()
+        self.ctx.finish()
+        self.timings.build = 1e3 * (spent + time.perf_counter() - begin)
+        yield False
 
     def _tell(self) -> None:
         """Say once that the structure holds another frame."""
