@@ -122,11 +122,11 @@ class GBuffer:
         return self._drawn
 
     def reserve_seen(self, layers: int) -> moderngl.TextureArray:
-        """`seen` with at least so many layers of one byte a pixel; the content is lost when it grows."""
+        """`seen` with at least so many layers of four bytes a pixel; the content is lost when it grows."""
         if self.seen is None or self.seen.layers < layers:
             if self.seen is not None:
                 self.seen.release()
-            self.seen = self.ctx.texture_array((*self.size, layers), 1, dtype="f1")
+            self.seen = self.ctx.texture_array((*self.size, layers), 4, dtype="f1")
             self.seen.filter = moderngl.NEAREST, moderngl.NEAREST
         return self.seen
 

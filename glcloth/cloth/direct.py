@@ -17,7 +17,7 @@ from . import schedule as plan
 from .gaussian_nodes import SKY_SHARPNESS, SUN, gaussian_table, node_count, sky_nodes, warm
 from .lobe_nodes import ends, lobe_table
 from .settings import Settings
-from .visibility import BROAD_LAYERS
+from .visibility import sun_number
 
 NODE_UNIT, ENTRY_UNIT, LOBE_UNIT, POOL_UNIT, SKY_UNIT = 8, 9, 10, 11, 12
 ENTRY_TEXELS = 5
@@ -101,7 +101,7 @@ class Direct:
     def _write_entries(self, lights: Lights, schedule, lobes, pooled, sky, fabric) -> int:
         """Upload the rules and the Gaussians that use them; returns the number of nodes."""
         gaussians = lights.gaussians
-        axis, amplitude, sharp, share, level, layer = [], [], [], [], [], []
+        axis, amplitude, sharp, share, level, number = [], [], [], [], [], []
         for k in range(len(gaussians)):
             if sky[k] == 1.0 or not gaussians.amplitude[k].any():
                 continue
@@ -111,9 +111,9 @@ class Direct:
                 sharp.append(max(float(gaussians.sharpness[k]), 1e-2))
                 share.append(pooled[k])
                 level.append(one)
-                layer.append(1 + k)
+                number.append(1 + k)
         for s, (direction, irradiance) in enumerate(zip(lights.suns.direction, lights.suns.irradiance, strict=True)):
-            layer.append(1 + len(gaussians) + BROAD_LAYERS + s)
+            number.append(sun_number(len(gaussians)) + s)
             axis.append(direction)
             amplitude.append(irradiance * SUN / (2.0 * np.pi))
             sharp.append(SUN)
@@ -121,7 +121,7 @@ class Direct:
             level.append(0)
         if not axis:
             axis, amplitude, sharp, share, level = [(0.0, 0.0, 1.0)], [(0.0, 0.0, 0.0)], [1.0], [0.0], [0]
-            layer = [0]
+            number = [0]
         key = tuple(zip(sharp, level, strict=True))
         sky_levels = plan.sky_levels(schedule, lobes) if sky.any() else [(0, 0.0)]
         if self._keys.get("nodes") != (key, sky_levels):
@@ -139,7 +139,9 @@ class Direct:
             self._node_data.write(texels)
         records = np.zeros((len(axis), ENTRY_TEXELS, 4), "f4")
         records[:, 0, :3], records[:, 1, :3] = axis, amplitude
-        starts = [at << 24 | self._starts[pair] << 8 | node_count(pair[1]) for at, pair in zip(layer, key, strict=True)]
+        starts = [
+            at << 24 | self._starts[pair] << 8 | node_count(pair[1]) for at, pair in zip(number, key, strict=True)
+        ]
         records[:, 0, 3] = np.array(starts, "i4").view("f4")
         records[:, 1, 3] = column_width(sharp)
         sharp, share, level = np.array(sharp), np.array(share), np.array(level)

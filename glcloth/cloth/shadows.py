@@ -15,7 +15,7 @@ from ..mesh import Mesh
 from ..raster import GBuffer
 from .scene_buffers import SceneBuffers
 from .settings import Shadows as Mode
-from .visibility import BROAD_LAYERS, FEWEST, VertexVisibility
+from .visibility import FEWEST, VertexVisibility, broad_number, sun_number
 
 SEEN_UNIT = 2
 SEEN_ALL, SEEN_PIXELS = "passes/seen_all.glsl", "passes/seen_pixels.glsl"
@@ -72,10 +72,10 @@ class Shadows:
         """Fill the layers of what the pixels of a G-buffer see, as it is drawn now; nothing when they hold just that."""
         lights = self._lights
         full = self._mode == "full"
-        self._broad_layer = 1 + len(lights.gaussians)
-        self._sun_layer = self._broad_layer + BROAD_LAYERS
+        self._numbers = broad_number(len(lights.gaussians)), sun_number(len(lights.gaussians))
+        sun_layer = self._numbers[1] // 4
         self.integrate(method)
-        seen = buffer.reserve_seen(self._sun_layer + len(lights.suns))
+        seen = buffer.reserve_seen(sun_layer + -(-len(lights.suns) // 4))
         self._seen = seen
         state = buffer.drawn, self._mode, self._structure, seen, self.vertices.version if full else 0
         before = self._filled.get(buffer)
@@ -92,7 +92,7 @@ class Shadows:
         if full:
             self.vertices.means.bind(9)
         mesh.indices.bind(10)
-        self._run(program, buffer, group_count=self.vertices.groups, layer_count=self._sun_layer, everything=not full)
+        self._run(program, buffer, group_count=sun_layer, everything=not full)
         suns = lights.suns
         if len(suns):
             directions = np.zeros((len(suns), 4), "f4")
@@ -103,7 +103,7 @@ class Shadows:
             self._sun_data.bind(10)
             buffer.bind(program)
             buffer.bind_points(program)
-            self._run(program, buffer, sun_count=len(suns), first_layer=self._sun_layer)
+            self._run(program, buffer, sun_count=len(suns), first_layer=sun_layer)
         self.ctx.memory_barrier()
 
     def bind(self, program, fabric: Fabric, shared: SceneBuffers) -> None:
@@ -111,7 +111,7 @@ class Shadows:
         rho = self.albedo(fabric, shared) if self._mode == "full" and self._bounce else np.zeros(3)
         self._seen.use(SEEN_UNIT)
         shader.set_uniforms(
-            program, broad_layer=self._broad_layer, sun_layer=self._sun_layer, rho=tuple(map(float, rho))
+            program, broad_number=self._numbers[0], sun_number=self._numbers[1], rho=tuple(map(float, rho))
         )
 
     # -- how much a fabric reflects ----------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from .probes import Probes, place_probes
 DIRECTIONS = 256
 WORD = 32
 FEWEST = 16  # directions of each probe that must be traced before there is a mean
-BROAD_LAYERS = 6
+BROAD = 8  # numbers of the broad light: three, a gap, three, a gap
 NARROW = 30.0  # sharpness from which a Gaussian has directions of its own,
 OWN = 16  # so many, of all classes together
 NEAREST_LAYER = 1 / 3  # of the way to the next layer of cloth: how far rays may start from their own
@@ -29,12 +29,12 @@ class VertexVisibility:
 
     `start` takes a mesh, `steps` traces (`done` says how many fixed directions of each probe are), `integrate` makes the
     means under some lights, which then lie in `means`: of each vertex front and back, of each side `groups` words of
-    four unorm8: V_0, V_1 .. V_K, and six of the broad light if asked for.
+    four unorm8: V_0, V_1 .. V_K, a gap to the next whole word, and BROAD of the broad light.
     """
 
     def __init__(self, ctx):
         self.ctx = ctx
-        self.done = self.groups = self.layers = 0
+        self.done = self.groups = 0
         self.version = 0  # of the means: changes when they do
         self.probes: Probes | None = None
         self._programs: dict[str, object] = {}
@@ -202,19 +202,18 @@ class VertexVisibility:
 
     # -- means -------------------------------------------------------------------------------------------------------
 
-    def integrate(self, lights: Lights, broad: np.ndarray | None = None) -> None:
+    def integrate(self, lights: Lights, broad: np.ndarray) -> None:
         """Make the means under these lights, from as many directions as are traced; nothing when they are made.
 
         `broad`: how much [K] of each Gaussian a method sums with others before it knows V. That light's visibility
         follows V_K as six means, over the parts of the sphere that `cube_shares` tells.
         """
         sharp = self._sharp is lights
-        state = self.done, sharp, None if broad is None else broad.tobytes()
+        state = self.done, sharp, broad.tobytes()
         if self._lights is lights and self._state == state:
             return
         tables = [self._table(c, lights, broad, sharp) for c in range(self.classes)]
-        self.layers = tables[0].shape[1]
-        self.groups = -(-self.layers // 4)
+        self.groups = tables[0].shape[1] // 4
         words, P, V = 4 * self.groups, len(self.probes.points), self.probes.spread.shape[0]
         self._sums.reserve(8 * words * P)
         self.means.reserve(8 * self.groups * V)
@@ -239,8 +238,8 @@ class VertexVisibility:
                     last=tuple(map(int, first[4 * group + 1 : 4 * group + 5])),
                 )
         self.ctx.memory_barrier()
-        least = np.ones((self.groups, 4), "f4")
-        least.ravel()[: self.layers] = LEAST * sum(table.sum(0) for table in tables)
+        sums = sum(table.sum(0) for table in tables)
+        least = np.where(sums > 0.0, LEAST * sums, 1.0).reshape(-1, 4)
         program = self._program("spread")
         for unit, buffer in enumerate((self._sums, self._row_data, self._spread_data), 9):
             buffer.bind(unit)
@@ -251,14 +250,14 @@ class VertexVisibility:
         self._lights, self._state = lights, state
         self.version += 1
 
-    def _table(self, c: int, lights: Lights, broad: np.ndarray | None, sharp: bool) -> np.ndarray:
-        """What the traced directions [n] of a class weigh in each mean [n, 1 + K (+ 6)]."""
+    def _table(self, c: int, lights: Lights, broad: np.ndarray, sharp: bool) -> np.ndarray:
+        """What the traced directions [n] of a class weigh in each number of `means` [n, 4 groups]."""
         gaussians = lights.gaussians
         fixed = self._traced[c][: self.done]
         # As sharp as the fixed directions of all classes together can tell.
         table = gaussian_table(fixed, gaussians.axis, gaussians.sharpness, self.done * self.classes)
-        if broad is not None:
-            table = np.concatenate([table, self._cube_table(fixed, lights, broad)], 1)
+        gap = np.zeros((len(fixed), broad_number(len(gaussians)) - table.shape[1]))
+        table = np.concatenate([table, gap, self._cube_table(fixed, lights, broad)], 1)
         if sharp:
             own = np.zeros((len(self._traced[c]) - self.done, table.shape[1]))
             table[:, 1 + self._narrow] = 0.0
@@ -269,13 +268,14 @@ class VertexVisibility:
         return table
 
     def _cube_table(self, directions: np.ndarray, lights: Lights, broad: np.ndarray) -> np.ndarray:
-        """Weights [n, 6] of directions in the six means."""
+        """Weights [n, BROAD] of directions in the six means."""
         gaussians = lights.gaussians
         light = SphericalGaussians(gaussians.axis, gaussians.sharpness, gaussians.amplitude * broad[:, None])
         everywhere = luminance(np.maximum(light.radiance(self.directions), 0.0))
         # Where there is no such light, V still goes on smoothly from where there is.
         weight = luminance(np.maximum(light.radiance(directions), 0.0)) + 0.02 * everywhere.mean() + 1e-30
-        return weight[:, None] / (everywhere.max() + 1e-30) * cube_shares(directions)
+        table = weight[:, None] / (everywhere.max() + 1e-30) * cube_shares(directions)
+        return np.insert(table, (3, 6), 0.0, 1)
 
     # -- reading back ------------------------------------------------------------------------------------------------
 
@@ -291,10 +291,10 @@ class VertexVisibility:
         return [directions[: self.share] for directions in self._traced]
 
     def values(self) -> np.ndarray:
-        """Read back the means: float [V, 2, 1 + K], or [V, 2, 7 + K] with `broad`."""
+        """Read back the means: float [V, 2, 4 groups]."""
         vertices = self.probes.spread.shape[0]
         data = np.frombuffer(self.means.buffer.read(8 * self.groups * vertices), "u1")
-        return data.reshape(vertices, 2, -1)[..., : self.layers] / 255.0
+        return data.reshape(vertices, 2, -1) / 255.0
 
     # -- the machinery -----------------------------------------------------------------------------------------------
 
@@ -316,6 +316,16 @@ class VertexVisibility:
         buffers = (self._probe_data, self._row_data, self._spread_data, self._bits, self._entries, self._direction_data)
         for thing in (*buffers, self._sums, self.means, self._queries, *self._programs.values()):
             thing.release()
+
+
+def broad_number(gaussians: int) -> int:
+    """The number of the first of the broad light's means, after those of so many Gaussians."""
+    return -(-(1 + gaussians) // 4) * 4
+
+
+def sun_number(gaussians: int) -> int:
+    """The number of the first sun."""
+    return broad_number(gaussians) + BROAD
 
 
 def _entries(directions: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

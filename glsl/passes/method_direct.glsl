@@ -154,7 +154,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
     // A do loop: llvmpipe runs the body of a while loop once more than it is wanted.
     do {
         int at = k * ENTRY_TEXELS;
-        vec4 head = texelFetch(entry_data, at);       // xi in world space; layer of its V, first row of its rule, rows
+        vec4 head = texelFetch(entry_data, at);       // xi in world space; number of its V, first row of its rule, rows
         vec4 light = texelFetch(entry_data, at + 1);  // radiance of the axis; width of its columns
         vec4 extra = texelFetch(entry_data, at + 2);
         entry_kept = extra;
@@ -182,7 +182,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
 #define LIGHT(g) light_group(g, omega_i, weight)
             EACH_GROUP(LIGHT)
         } while (++node < last);
-        L += light.rgb * (exp(mean.w) * V_layer(rows >> 24)) * sum_tangents();
+        L += light.rgb * (exp(mean.w) * V_number(rows >> 24)) * sum_tangents();
     } while (++k < entry_count);
     return L;
 }

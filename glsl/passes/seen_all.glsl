@@ -1,7 +1,7 @@
 // Nothing hides anything: "seen.glsl" of a program without shadows.
 void look_from(ivec2 pixel) {}
 
-float V_layer(int layer) { return 1.0; }
+float V_number(int n) { return 1.0; }
 
 float V_gaussian(int k) { return 1.0; }
 

@@ -5,18 +5,17 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 9) uniform usamplerBuffer mean_data;     // of a vertex front and back, of a side the groups of four
 layout(binding = 10) uniform isamplerBuffer corner_index;
-layout(r8, binding = 0) writeonly uniform image2DArray seen;  // layers as in passes/seen_pixels.glsl
+layout(rgba8, binding = 0) writeonly uniform image2DArray seen;  // as passes/seen_pixels.glsl reads it
 uniform int group_count;
-uniform int layer_count;
 uniform bool everything;  // nothing is hidden but from the suns
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, textureSize(frame_N, 0)))) return;
     if (texelFetch(frame_N, pixel, 0).w == 0.0) return;
-    int layer = 0;
+    int group = 0;
     if (everything) {
-        do imageStore(seen, ivec3(pixel, layer), vec4(1.0)); while (++layer < layer_count);
+        do imageStore(seen, ivec3(pixel, group), vec4(1.0)); while (++group < group_count);
         return;
     }
     int first = 3 * triangle_at(pixel);
@@ -24,16 +23,10 @@ void main() {
         texelFetch(corner_index, first + 2).x);
     corner = (2 * corner + (texelFetch(frame_x, pixel, 0).w < 0.0 ? 1 : 0)) * group_count;
     vec3 weights = weights_at(pixel);
-    int group = 0;
     do {
         vec4 V = weights.x * unpackUnorm4x8(texelFetch(mean_data, corner.x + group).x)
             + weights.y * unpackUnorm4x8(texelFetch(mean_data, corner.y + group).x)
             + weights.z * unpackUnorm4x8(texelFetch(mean_data, corner.z + group).x);
-        int within = 0;
-        do {
-            if (layer < layer_count) imageStore(seen, ivec3(pixel, layer), vec4(V.x));
-            V = V.yzwx;
-            ++layer;
-        } while (++within < 4);
+        imageStore(seen, ivec3(pixel, group), V);
     } while (++group < group_count);
 }

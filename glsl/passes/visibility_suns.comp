@@ -7,7 +7,7 @@
 #include "accel.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 layout(binding = 10) uniform samplerBuffer sun_data;  // toward each sun
-layout(r8, binding = 0) writeonly uniform image2DArray seen;
+layout(rgba8, binding = 0) writeonly uniform image2DArray seen;
 uniform int sun_count;    // at least 1
 uniform int first_layer;
 
@@ -17,6 +17,7 @@ void main() {
     vec4 N = texelFetch(frame_N, pixel, 0);
     if (N.w == 0.0) return;
     vec3 x = origin_at(pixel);
+    vec4 four = vec4(0.0);
     int s = 0;
     do {
         vec3 omega = texelFetch(sun_data, s).xyz;
@@ -28,6 +29,9 @@ void main() {
             traverse(ray, visit);
             V = visit.t > 0.0 ? 1.0 : 0.0;
         }
-        imageStore(seen, ivec3(pixel, first_layer + s), vec4(V));
+        if ((s & 3) == 0) four = vec4(0.0);
+        four += V * vec4(equal(ivec4(s & 3), ivec4(0, 1, 2, 3)));
+        // Whole texels, and what the last one has.
+        if ((s & 3) == 3 || s + 1 == sun_count) imageStore(seen, ivec3(pixel, first_layer + (s >> 2)), four);
     } while (++s < sun_count);
 }
