@@ -1,10 +1,11 @@
 """The reference with shadows against Mitsuba 3: the same cloth, camera and lights, a Lambertian in place of the fabric.
 
-python tests/measure_mitsuba.py [ENVIRONMENT...] [--mesh drape] [--size 80x60] [--cube 32] [--samples 8] [--spp 4096]
+python tests/measure_mitsuba.py [ENVIRONMENT...] [--mesh drape] [--size 80x60] [--cube 32] [--spp 256]
 
 Needs the optional extra `check` (`pip install 'glcloth[check]'`: Mitsuba 3). Mitsuba gets the mesh as a file, its own
-camera, the sum of the Gaussians as an environment map, the suns as directional emitters, and its path tracer. Two rows
-per environment: direct light, and direct light with one bounce. Printed, of the pixels that see cloth, in % of the mean
+camera, the sum of the Gaussians as an environment map, the suns as directional emitters, and its path tracer. It draws
+three times as many pixels a side, of which the middle one of nine is where a sample of ours lies. Two rows per
+environment: direct light, and direct light with one bounce. Printed, of the pixels that see cloth, in % of the mean
 of Mitsuba's picture: the mean of |difference| of luminance, the difference of the means, the noise that Mitsuba's
 picture still has (from its two halves), and the 95th percentile of |difference|; and FLIP. Strips ours | Mitsuba |
 difference x 8 are written.
@@ -27,7 +28,7 @@ from glcloth.progress import track
 
 ALBEDO = (0.6, 0.5, 0.3)
 MAP_HEIGHT = 512
-SPP_AT_ONCE = 256
+FINER = 3  # pixels of Mitsuba's a side for one of ours
 
 
 def lights_as_map(gaussians):
@@ -37,7 +38,7 @@ def lights_as_map(gaussians):
     return gaussians.radiance(direction_from_uv(u, v)).astype(np.float32)
 
 
-def mitsuba_scene(mi, mesh_file, camera, size, lights):
+def mitsuba_scene(mi, mesh_file, camera, size, lights, spp):
     """The scene of Mitsuba."""
     scene = {
         "type": "scene",
@@ -57,7 +58,13 @@ def mitsuba_scene(mi, mesh_file, camera, size, lights):
             "to_world": mi.ScalarTransform4f().look_at(
                 origin=list(camera.eye), target=list(camera.target), up=list(camera.up)
             ),
-            "film": {"type": "hdrfilm", "width": size[0], "height": size[1], "rfilter": {"type": "box"}},
+            "film": {
+                "type": "hdrfilm",
+                "width": FINER * size[0],
+                "height": FINER * size[1],
+                "rfilter": {"type": "box"},
+            },
+            "sampler": {"type": "multijitter", "sample_count": spp},
         },
     }
     for number, (direction, irradiance) in enumerate(zip(lights.suns.direction, lights.suns.irradiance, strict=True)):
@@ -70,14 +77,10 @@ def mitsuba_scene(mi, mesh_file, camera, size, lights):
 
 
 def mitsuba_picture(mi, scene, max_depth, spp, what):
-    """The two halves of Mitsuba's picture [2, H, W, 3], each of spp / 2 samples a pixel."""
+    """The two halves of Mitsuba's picture [2, H, W, 3], each of spp samples a pixel."""
     integrator = mi.load_dict({"type": "path", "max_depth": max_depth, "rr_depth": 1000, "hide_emitters": True})
-    rounds = 2 * max(1, round(spp / (2 * SPP_AT_ONCE)))
-    pictures = [
-        np.array(mi.render(scene, integrator=integrator, spp=min(SPP_AT_ONCE, spp), seed=number))[..., :3]
-        for number in track(range(rounds), what)
-    ]
-    return np.stack([np.mean(pictures[half::2], axis=0) for half in (0, 1)])
+    pictures = [np.array(mi.render(scene, integrator=integrator, spp=spp, seed=half)) for half in track((0, 1), what)]
+    return np.stack(pictures)[:, FINER // 2 :: FINER, FINER // 2 :: FINER, :3]
 
 
 def row(name, ours, halves, covered):
@@ -97,8 +100,7 @@ def main():
     parser.add_argument("--mesh", default="drape")
     parser.add_argument("--size", default="80x60")
     parser.add_argument("--cube", type=int, default=32)
-    parser.add_argument("--samples", type=int, default=8, help="of ours a pixel")
-    parser.add_argument("--spp", type=int, default=4096, help="samples of Mitsuba's a pixel")
+    parser.add_argument("--spp", type=int, default=256, help="samples a pixel of each half of Mitsuba's picture")
     parser.add_argument("--out", type=Path, default=Path("out/mitsuba"))
     options = parser.parse_args()
     try:
@@ -116,15 +118,14 @@ def main():
         save_mesh(mesh_file, mesh)
         for environment in options.environments:
             base = dict(env=environment, size=options.size, background=False, method="reference", cube=options.cube)
-            base["spp"] = options.samples
             for light, max_depth, changes in (
                 ("direct", 2, {"shadows": "full", "bounce": False}),
                 ("direct and one bounce", 3, {"shadows": "full"}),
             ):
                 frame = renderer.prepare(mesh=mesh, **base, **changes)
                 picture = renderer.render_frame(frame)
-                ours, covered = picture[..., :3], picture[..., 3] > 0.999
-                scene = mitsuba_scene(mi, mesh_file, frame.camera, frame.scene.size, frame.lights)
+                ours, covered = picture[..., :3], picture[..., 3] > 0
+                scene = mitsuba_scene(mi, mesh_file, frame.camera, frame.scene.size, frame.lights, options.spp)
                 what = f"Mitsuba, {light}: samples"
                 halves = mitsuba_picture(mi, scene, max_depth, options.spp, what)
                 row(f"{Path(environment).name}, {light}", ours, halves, covered)

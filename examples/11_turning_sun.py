@@ -1,0 +1,48 @@
+"""A curtain in the wind under a turning sun: its folds hide the sun from each other and light each other.
+
+python examples/11_turning_sun.py [out/11_turning_sun.mp4 [WxH [FRAMES]]]     (or out/frames/%04d.png)
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import glcloth
+from glcloth import animate, progress
+from glcloth.curtain.cloth import CurtainParameters, CurtainSimulation
+from glcloth.environment import load_environment
+from glcloth.fit import fit_lights
+
+path = sys.argv[1] if len(sys.argv) > 1 else "out/11_turning_sun.mp4"
+size = sys.argv[2] if len(sys.argv) > 2 else "320x240"
+frames = int(sys.argv[3]) if len(sys.argv) > 3 else 75
+rate = 25
+camera = glcloth.Camera(eye=(0.9, 1.5, 3.6), target=(0.0, 1.25, 0.1), fov_deg=40.0)
+sun = fit_lights(load_environment("sky"), 10).suns.direction[0]
+# From 65 degrees on one side of the curtain's front, which is +z, to 65 on the other.
+straight = -np.degrees(np.arctan2(sun[0], sun[2]))
+turns = straight + np.linspace(-65.0, 65.0, frames)
+
+
+def pictures(renderer):
+    curtain = CurtainSimulation(renderer.ctx, CurtainParameters(wind=1.2, mass=0.1))
+    for turn in turns:
+        curtain.step(1 / rate)
+        yield renderer.render(
+            fabric="linen", mesh=curtain.mesh(), env="sky", env_rotate=turn, camera=camera, size=size, shadows="full"
+        )
+    curtain.release()
+
+
+Path(path).parent.mkdir(parents=True, exist_ok=True)
+with glcloth.Renderer() as renderer:
+    look = 0.0, "standard"
+    film = pictures(renderer)
+    written = (
+        animate.write_video(film, Path(path), rate, *look)
+        if path.endswith(".mp4")
+        else animate.write_frames(film, path, 0, {}, *look)
+    )
+    for _ in progress.track(written, f"{path}: frames", frames):
+        pass
