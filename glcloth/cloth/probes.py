@@ -97,30 +97,31 @@ def place_probes(
     if original is not None and original is not mesh:
         offset += _lift(mesh, original)
     graph = sparse.coo_array((np.ones(len(edges)), (a, b)), shape=(count, count)).tocsr()
-    graph = (graph + graph.T).tocsr()
+    graph = _neighbours(graph + graph.T)
     chosen = np.arange(count)
     spread = sparse.eye_array(count, format="csr")
     while len(chosen) > most:
         kept = _apart(graph)
         inner = _interpolation(graph, kept, mesh.positions[chosen].astype(float))
         spread = spread @ inner
-        graph = inner.T @ graph @ inner
-        graph.setdiag(0.0)
-        graph.eliminate_zeros()
-        graph = graph.tocsr()
+        # Each node to the kept one that it takes most of: these heaps are neighbours where their nodes are.
+        heap = sparse.csr_array(
+            (np.ones(inner.shape[0]), (np.arange(inner.shape[0]), inner.argmax(1).ravel())), inner.shape
+        )
+        graph = _neighbours(heap.T @ graph @ heap)
         chosen = chosen[kept]
     number = len(chosen)
     if classes is None:
         classes = 1 if number <= WHOLE else 2 if number <= HALF else 4 if number <= QUARTER else 8
-    graph.data[:] = 1.0
-    if classes > 4:  # one step reaches seven probes or so, two steps nineteen
-        graph = (graph + 0.3 * (graph @ graph)).tocsr()
-        graph.setdiag(0.0)
-        graph.eliminate_zeros()
-        graph.data[:] = np.where(graph.data >= 1.0, 1.0, 0.3)
-    kind = _classes(graph, classes)
     if classes > 1:
-        spread = spread @ (sparse.eye_array(number) + 0.5 * graph)
+        # One step reaches seven probes or so, two steps nineteen.
+        two_steps = _neighbours(graph @ graph + graph)
+        near = graph if classes <= 4 else (0.3 * two_steps + 0.7 * graph).tocsr()
+        kind = _classes(near, classes)
+        near = (sparse.eye_array(number) + 0.5 * near).tocsr()
+        spread = spread @ (near + _missing(near, two_steps, kind, classes))
+    else:
+        kind = np.zeros(number, int)
     order = np.argsort(kind, kind="stable")
     chosen, kind = chosen[order], kind[order]
     spread = _shared_evenly(spread.tocsr()[:, order].tocoo(), kind, classes)
@@ -130,13 +131,30 @@ def place_probes(
     )
 
 
+def _neighbours(graph):
+    """1 where two different nodes are connected."""
+    graph = graph.tocsr()
+    graph.setdiag(0.0)
+    graph.eliminate_zeros()
+    graph.data[:] = 1.0
+    return graph
+
+
+def _missing(near, farther, kind: np.ndarray, classes: int):
+    """Those entries of `farther` whose class no entry of the same row of `near` is of."""
+    near, farther = near.tocoo(), farther.tocoo()
+    known = np.bincount(near.row * classes + kind[near.col], minlength=near.shape[0] * classes) > 0
+    some = ~known[farther.row * classes + kind[farther.col]]
+    return sparse.coo_array((farther.data[some], (farther.row[some], farther.col[some])), farther.shape).tocsr()
+
+
 def _classes(graph, classes: int) -> np.ndarray:
     """A class [P] for each node, so that neighbours are of different ones where that can be."""
     count = graph.shape[0]
     random = np.random.default_rng(2)
     kind = random.integers(0, classes, count)
     rows = np.repeat(np.arange(count), np.diff(graph.indptr))
-    for sweep in range(12 if classes > 1 else 0):
+    for sweep in range(12):
         at = rows * classes + kind[graph.indices]
         crowd = np.bincount(at, graph.data, count * classes).reshape(count, classes)
         crowd += 0.01 * random.random((count, classes))

@@ -55,7 +55,7 @@ class Shadows:
 
     def total(self) -> int:
         """How many steps of 32 directions there are in all, about."""
-        return -(-self.vertices.total(self._lights) // 32)
+        return -(-self.vertices.total(self._lights) // 32) if self._mode == "full" else 0
 
     def hurry(self) -> None:
         """Trace only as much as a first impression needs."""
