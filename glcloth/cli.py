@@ -489,7 +489,8 @@ def bench_curtain(
     options.size = options.size or "320x320"
     result = measure(create_context(device), _scene("curtain", options), frames, triangles)
     keys = ("triangles", "rays", "nodes", "sim_ms", "build_ms", "trace_ms", "frame_ms", "cpu_ms", "fps")
-    _print(json, result, "  ".join(f"{key} {result[key]}" for key in keys))
+    keys += ("primary_rays_per_second",)
+    _print(json, result, "  ".join(f"{key} {result[key]}" for key in keys if key in result))
 
 
 def main(arguments: list[str] | None = None) -> None:

@@ -1,7 +1,7 @@
 """Cloth in motion on the GPU: XPBD with small steps on a rectangular grid, solids, self-contact, wind, pins.
 
 One substep (Macklin, Mueller, Chentanez 2016; Macklin et al. 2019, "Small steps in physics simulation") is
-forces, predict -> rows -> columns -> even strips -> odd strips -> self-contact -> solids, friction, velocity.
+forces, predict -> even strips -> odd strips -> rows -> columns -> self-contact -> solids, friction, velocity.
 
 The constraints are coloured by lines, not by edges: no two rows share a vertex, nor two columns, nor two even strips
 of quads, nor two odd ones, so these four batches are free of races and the result is the same bit for bit in every
@@ -79,7 +79,7 @@ class ClothParameters:
     along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap:
     kept between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only
     those of one row, at most so many columns apart. hem: factor on the mass of the last row. air_substeps: for how many
-    substeps the air's force serves.
+    substeps the air's force serves. rows_last: solve columns before rows; what is solved last is stretched least.
     """
 
     spacing: tuple[float, float]
@@ -97,6 +97,7 @@ class ClothParameters:
     gravity: tuple[float, float, float] = (0.0, -9.81, 0.0)
     substeps: int = 10
     air_substeps: int = 10
+    rows_last: bool = False
     speed_limit: float = 10.0
 
     def __post_init__(self):
@@ -286,10 +287,9 @@ class Cloth:
                 shear_h2=_compliance(m.shear, h),
             )  # fmt: skip
         # The spring of one cell: a sheet of stiffness k N/m, as wide as the cell, over the cell's length.
-        for lines, count, line_stride, stride, rest, width in (
-            (self.rows, self.columns, self.columns, 1, rest_u, rest_v),
-            (self.columns, self.rows, 1, self.columns, rest_v, rest_u),
-        ):
+        rows = (self.rows, self.columns, self.columns, 1, rest_u, rest_v)
+        columns = (self.columns, self.rows, 1, self.columns, rest_v, rest_u)
+        for lines, count, line_stride, stride, rest, width in (columns, rows) if m.rows_last else (rows, columns):
             self._run(
                 self._program("lines"), "Position Eliminated", lines, group=8, lines=lines, count=count,
                 line_stride=line_stride, stride=stride, backward=backward, rest=rest,

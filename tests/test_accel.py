@@ -174,15 +174,20 @@ def test_every_triangle_is_reached_and_inside_its_leaf(ctx, keep, pairs):
         assert len(holds) and (set(holds) <= set(owner[t["triangles"] == i]))
 
 
-@pytest.mark.parametrize("parameters", [KdTreeParameters(pairs=False), KdTreeParameters(pairs=False, small_size=64)])
+@pytest.mark.parametrize(
+    "parameters", [KdTreeParameters(), KdTreeParameters(pairs=False), KdTreeParameters(pairs=False, small_size=64)]
+)
 def test_the_tree_costs_little_more_than_an_exact_one(ctx, keep, parameters):
     soup = scenes.scene(1000, 1.0)
     triangles, tree = Triangles.of(ctx, soup), KdTree(ctx, parameters)
     keep += [triangles, tree]
     tree.build(triangles)
-    cost = exact.sah_cost(tree.arrays(), parameters.C_ts)
-    best = exact.sah_cost(exact.build(soup, parameters.C_ts), parameters.C_ts)
-    assert 0.8 * best < cost < 1.12 * best
+    nodes = tree.arrays()
+    cost = exact.sah_cost(nodes | {"count": nodes["pairs"]}, parameters.C_ts)
+    parts = soup.reshape(-1, 2, 3, 3) if parameters.pairs else soup
+    best = exact.sah_cost(exact.build(parts, parameters.C_ts), parameters.C_ts)
+    # Boxes are not clipped in small nodes, and those of pairs lose more by it.
+    assert 0.8 * best < cost < (1.18 if parameters.pairs else 1.12) * best
 
 
 def test_buffers_that_are_too_small_grow(ctx, keep):

@@ -62,8 +62,7 @@ def test_eight_seconds_of_wind(hang, wind):
             p = curtain.positions()
             assert np.isfinite(p).all()
             strain = curtain.cloth.strain()
-            # Gusts of 1.6 m/s crush folds under the heading, where a few threads may be pushed longer for a moment.
-            assert strain.max() < (0.05 if wind == 0.5 else 0.08) and np.percentile(strain, 99.9) < 0.05
+            assert strain.max() < 0.05
             assert p[..., 2].min() > 0.009 and p[..., 1].min() > 0.009
             assert np.array_equal(p[0], first[0])
             spread.append(p[-1, :, 2].mean())

@@ -327,7 +327,8 @@ class KdTree:
         """The tree as NumPy arrays, nodes in preorder.
 
         axis [N] int (3 = leaf), split [N] float32, left, right [N] int (children), first, count [N] int (of a leaf, in
-        `triangles`), low, high [N, 3] float32 (the node's box), depth [N] int, triangles [R] int.
+        `triangles`), pairs [N] int (what a leaf holds as the builder counts), low, high [N, 3] float32 (the node's box),
+        depth [N] int, triangles [R] int.
         """
         nodes = np.frombuffer(self._buffers["tree_nodes"].buffer.read(8 * self.node_count), np.uint32).reshape(-1, 2)
         refs = self._buffers["leaf_pairs"].buffer.read(4 * self.leaf_ref_count) if self.leaf_ref_count else b""
@@ -346,6 +347,7 @@ class KdTree:
             "first": begins[np.where(leaf, nodes[:, 0], 0).astype(int)],
             "count": begins[np.where(leaf, nodes[:, 0] + payload, 0).astype(int)]
             - begins[np.where(leaf, nodes[:, 0], 0).astype(int)],
+            "pairs": np.where(leaf, payload, 0),
             "triangles": triangles,
         }
         low, high = np.zeros((len(axis), 3), np.float32), np.zeros((len(axis), 3), np.float32)

@@ -66,9 +66,13 @@ def best_split(boxes, low, high, C_ts):
 
 
 def build(triangles, C_ts=2.0, deepest=48):
-    """The tree of triangles [T, 3, 3]: axis [N] (3 = leaf), count [N], low, high [N, 3], depth [N]."""
+    """The tree of triangles [T, 3, 3], or of sets of k triangles [T, k, 3, 3] that are one to the builder.
+
+    axis [N] (3 = leaf), count [N], low, high [N, 3], depth [N].
+    """
     triangles = np.asarray(triangles, float)
-    root = np.stack([triangles.min(1), triangles.max(1)], 1)
+    triangles = triangles[:, None] if triangles.ndim == 3 else triangles
+    root = np.stack([triangles.min((1, 2)), triangles.max((1, 2))], 1)
     nodes = []
     todo = [(np.arange(len(triangles)), root, root[:, 0].min(0), root[:, 1].max(0), 0)]
     while todo:
@@ -86,8 +90,10 @@ def build(triangles, C_ts=2.0, deepest=48):
             part, own = boxes[chosen].copy(), index[chosen]
             both = (left & right)[chosen]
             if both.any():
-                points = clip_polygons(triangles[own[both]], child_low, child_high)
-                some = ~np.isnan(points[:, 0, 0])
+                polygons = triangles[own[both]]
+                points = clip_polygons(polygons.reshape(-1, 3, 3), child_low, child_high)
+                points = points.reshape(len(polygons), -1, 3)
+                some = ~np.isnan(points[..., 0]).all(1)
                 clipped = np.stack([np.fmin.reduce(points[some], 1), np.fmax.reduce(points[some], 1)], 1)
                 rows = np.flatnonzero(both)
                 part[rows[some]] = clipped
