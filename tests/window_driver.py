@@ -17,11 +17,14 @@ import glfw
 import numpy as np
 from OpenGL import GL
 
+from glcloth.curtain.cloth import CurtainParameters
 from glcloth.errors import InputError
+from glcloth.fabric import Transmission
 from glcloth.renderer import METHODS, Renderer
 from glcloth.scene import Scene, load_scene
 from glcloth.window import curve, orbit
 from glcloth.window.app import App
+from glcloth.window.controls import controls, curtain_controls
 
 
 def settle(app, limit=30.0):
@@ -151,7 +154,9 @@ def act(app, rng):
         lambda: session.edit_scene("exposure", exposure=float(rng.uniform(-9, 9))),
         lambda: session.edit_scene(background=bool(rng.integers(2))),
         lambda: session.edit_scene(quality=pick(("draft", "normal", "high"))),
-        lambda: session.edit_scene(method=pick([m for m in METHODS if m in ("direct", "reference")])),
+        lambda: session.edit_scene(method=pick(list(METHODS))),
+        lambda: session.edit_scene(adaptive=bool(rng.integers(2))),
+        lambda: session.edit_scene(shadows=pick(("off", "off", "sun", "full"))),
         lambda: session.edit_scene(view_transform=pick(("standard", "filmic", "neutral", "agx"))),
         lambda: session.edit_scene(env=pick(("studio", "sky", "no_such.hdr"))),
         lambda: session.edit_scene(mesh=pick(("sphere", "plane", "cylinder"))),
@@ -169,6 +174,8 @@ def act(app, rng):
         lambda: glfw.set_window_size(app.host.window, int(rng.integers(440, 520)), int(rng.integers(40, 120))),
         lambda: setattr(app, "show_panels", not app.show_panels),
         lambda: app.files.open(pick(("missing.obj", "README.md"))),
+        lambda: session.choose_mode(pick(("cloth", "curtain"))),
+        *curtain_actions(app, rng, pick),
     )
     try:
         pick(actions)()
@@ -176,15 +183,61 @@ def act(app, rng):
         pass
 
 
+def rest(app):
+    """Both modes at rest, in a state that is the same each time: what is kept for each is then there."""
+    if app.tree is not None:
+        app.toggle_tree()
+    glfw.set_window_size(app.host.window, 480, 80)
+    app.show_panels = True
+    session = app.session
+    session.compare("off")
+    session.choose_mode("curtain")
+    if app.player is not None and app.player.playing:
+        app.toggle_play()
+    session.edit_curtain(accelerator="kdtree", depth=4)
+    session.hang(**{name: getattr(CurtainParameters(), name) for name in ("wind", "fullness")})
+    settle(app, 120.0)
+    session.choose_mode("cloth")
+    session.edit_scene(method="direct", shadows="off", adaptive=False, mesh="sphere", env="studio", spp=1)
+    session.choose_fabric("linen")
+    settle(app, 120.0)
+
+
+def curtain_actions(app, rng, pick):
+    """What a user can do with the curtain."""
+    session = app.session
+    parameters = ("wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping")
+    limits = {c.name: (c.low, c.high) for c in curtain_controls(parameters)}
+    name = pick(parameters)
+    terms = [c for c in controls(Transmission) if c.kind == "float"]
+    term = pick(terms)
+    return (
+        app.toggle_play,
+        app.toggle_play,
+        app.toggle_tree,
+        lambda: app.player and app.player.step(),
+        lambda: app.player and app.player.restart(),
+        lambda: app.tree and app.tree.show_level(pick((None, 0, 3, 8, 40))),
+        lambda: session.edit_curtain(accelerator=pick(("kdtree", "kdtree", "lbvh", "brute"))),
+        lambda: session.edit_curtain("d", depth=int(rng.integers(1, 9))),
+        lambda: session.hang(name, **{name: float(rng.uniform(*limits[name]))}),
+        lambda: session.hang(fullness=float(rng.uniform(1.0, 2.2))),
+        lambda: session.edit_transmission(term.name, **{term.name: float(rng.uniform(term.low, term.high))}),
+        lambda: app.choose_fabric(pick(("lace", "sheer_voile", "linen"))),
+    )
+
+
 def monkey(count):
     """Random actions, with a picture or two after each; a warm-up of a tenth before the first count."""
     rng = np.random.default_rng(0)
-    app = App(Scene(size=(80, 60), mesh="sphere", method="direct"))
+    app = App(Scene(size=(80, 60), mesh="sphere", method="direct", grid=12))
+    small = CurtainParameters(quads=(48, 12), pleats=4, settle=0.1)
+    app.session.edit_curtain(curtain=small, size=(80, 60))
     settle(app)
     begin, memory = None, []
     for number in range(count + count // 10):
         if number == count // 10:
-            settle(app)
+            rest(app)
             begin = gl_objects()
         if number >= count // 10 and (number - count // 10) % max(count // 4, 1) == 0:
             memory.append(round(memory_mb()))
@@ -194,9 +247,7 @@ def monkey(count):
             glfw.post_empty_event()
             app.step()
         assert app.ctx.error == "GL_NO_ERROR", number
-    app.session.compare("off")
-    app.session.edit_scene(method="direct")
-    settle(app)
+    rest(app)
     end = gl_objects()
     memory.append(round(memory_mb()))
     app.close()

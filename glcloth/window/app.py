@@ -148,7 +148,9 @@ class App:
 
     @property
     def shows_something(self) -> bool:
-        return self.drawer.sides != [] if self.session.in_curtain else self.frames != []
+        if self.session.in_curtain:
+            return self.player is not None and self.player.sides != []
+        return self.frames != []
 
     @property
     def frame(self) -> int:
@@ -182,6 +184,8 @@ class App:
             left = until - time.perf_counter()
             if self.tree is not None and not self.tree.idle and left > 0.003:
                 self.tree.work(left)
+                if self.tree.missed and self.tree.idle and self.player is not None:
+                    self.player.tell_again()
                 changed = True  # the panel says how many boxes there are
         except ShaderError as error:
             self.tell("error", errors_of(error))
@@ -417,12 +421,16 @@ class App:
             self.tree = None
             return
         try:
-            self.tree = TreeWindow(self.host)
+            self.tree = TreeWindow(self.host, self._typed_elsewhere)
         except RuntimeError as error:
             self.tell("error", f"the tree's window: {error}")
             return
         if self.player is not None:
             self.player.tell_again()
+
+    def _typed_elsewhere(self, *key) -> None:
+        self.navigation.type(*key)
+        self._heard()
 
     def reload_shaders(self) -> None:
         """Take the shaders as they are now; when they do not compile, keep the old ones and say why."""

@@ -87,6 +87,7 @@ class Host:
         imgui.create_context()
         implot.create_context()
         imgui.get_io().set_ini_filename("")
+        imgui.get_io().config_debug_highlight_id_conflicts = False  # tests/window_walk.py looks for them
         self.scale = glfw.get_window_content_scale(self.window)[0]
         frame, screen = glfw.get_framebuffer_size(self.window), glfw.get_window_size(self.window)
         if frame[0] != screen[0]:

@@ -60,7 +60,7 @@ class Panels:
         self._mode()
         in_curtain = self.session.in_curtain
         opened = imgui.TreeNodeFlags_.default_open.value
-        if in_curtain and imgui.collapsing_header("Curtain", opened):
+        if in_curtain and imgui.collapsing_header("Curtain##section", opened):
             self.curtain.draw()
         if not in_curtain and imgui.collapsing_header("Scene", opened):
             self._scene()
@@ -137,10 +137,8 @@ class Panels:
     def _view(self) -> None:
         app, shown = self.app, self.session.shown
         self._value(LIGHT["exposure"])
-        names = list(VIEW_TRANSFORMS)
-        changed, at = imgui.combo("view transform", names.index(shown.view_transform), names)
-        if changed:
-            app.attempt(self.session.edit_shown, view_transform=names[at])
+        if new := chooser("view transform", shown.view_transform, list(VIEW_TRANSFORMS)):
+            app.attempt(self.session.edit_shown, view_transform=new)
         if not self.session.in_curtain:
             self._value(LIGHT["background"])
         width, height = shown.size
@@ -229,7 +227,7 @@ class Panels:
             session.swap()
         document = session.document
         if document.compare == "split":
-            changed, new = imgui.slider_float("split", document.split, 0.0, 1.0, "%.3f", CLAMP)
+            changed, new = imgui.slider_float("split at", document.split, 0.0, 1.0, "%.3f", CLAMP)
             if changed:
                 session.compare("split", "split", split=neat(new))
         if document.compare == "difference":

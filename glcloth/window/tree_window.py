@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import glfw
 import numpy as np
@@ -26,12 +26,16 @@ class TreeWindow:
     It shares the first window's textures; only the copy to the screen is made with its own context.
     """
 
-    def __init__(self, host: Host):
-        self._host = host
+    def __init__(self, host: Host, typed: Callable[[str, int, int, bool], None]):
+        """`typed` hears of keys that mean nothing here: play and pause work in both windows."""
+        self._host, self._typed = host, typed
         context_hints()
+        glfw.window_hint(glfw.FOCUS_ON_SHOW, glfw.FALSE)
+        glfw.window_hint(glfw.FOCUSED, glfw.FALSE)
         self.window = glfw.create_window(*SIZE, "tree", None, host.window)
         if not self.window:
             raise RuntimeError("no second window")
+        self._put_beside()
         glfw.make_context_current(self.window)
         glfw.swap_interval(0)
         self._framebuffer = GL.glGenFramebuffers(1)
@@ -47,8 +51,8 @@ class TreeWindow:
         self._screen = Screen(host.ctx)
         self._side = Side()
         self._plan: Iterator[None] | None = None
-        self._stale = False
-        self._shown = False
+        self._stale = self._shown = False
+        self.missed = False  # a frame came while the one before was being drawn
         self._drag: tuple[int, float, float] | None = None
         glfw.set_cursor_pos_callback(self.window, self._moved)
         glfw.set_mouse_button_callback(self.window, self._button)
@@ -56,6 +60,16 @@ class TreeWindow:
         glfw.set_key_callback(self.window, self._key)
         glfw.set_framebuffer_size_callback(self.window, lambda *_: self._again())
         glfw.set_window_refresh_callback(self.window, lambda *_: self._again(False))
+
+    def _put_beside(self) -> None:
+        """Right of the first window, as far as the screen goes."""
+        monitor = glfw.get_primary_monitor()
+        if monitor:
+            left, top, width, height = glfw.get_monitor_workarea(monitor)
+            x, y = glfw.get_window_pos(self._host.window)
+            x += glfw.get_window_size(self._host.window)[0] + 8
+            x, y = min(x, left + width - SIZE[0]), min(max(y, top), top + height - SIZE[1])
+            glfw.set_window_pos(self.window, max(x, left), max(y, top))
 
     @property
     def closed(self) -> bool:
@@ -67,8 +81,10 @@ class TreeWindow:
         return self._plan is None and not self._stale and self._shown
 
     def follow(self, curtain: CurtainShow) -> None:
-        """Take the structure of the present frame; nothing is drawn yet. Skipped while the last one is being drawn."""
-        if self._plan is not None:
+        """Take the structure of the present frame; nothing is drawn yet. While the last one is being drawn it is
+        `missed` instead."""
+        self.missed = self._plan is not None
+        if self.missed:
             return
         accelerator = curtain.scene.accelerator
         if accelerator == "brute":
@@ -112,6 +128,9 @@ class TreeWindow:
         except StopIteration:
             self._plan = None
             self._present()
+        except BaseException:
+            self._plan = None
+            raise
 
     def _draw(self) -> Iterator[None]:
         content = dict(self._content)
@@ -192,7 +211,7 @@ class TreeWindow:
         if self._content is not None:
             self._look(orbit.zoom(self._eye(), 0.9**dy, 1.0))
 
-    def _key(self, _, key: int, __: int, action: int, ___: int) -> None:
+    def _key(self, _, key: int, scancode: int, action: int, mods: int) -> None:
         if action == glfw.RELEASE:
             return
         if key in (glfw.KEY_UP, glfw.KEY_KP_ADD, glfw.KEY_EQUAL):
@@ -203,6 +222,8 @@ class TreeWindow:
             self._camera, self._stale = None, True
         elif key == glfw.KEY_ESCAPE:
             glfw.set_window_should_close(self.window, True)
+        else:
+            self._typed((glfw.get_key_name(key, scancode) or "").lower(), key, mods, action == glfw.REPEAT)
 
     def close(self) -> None:
         """Free everything and close the window."""

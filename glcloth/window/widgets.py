@@ -46,8 +46,8 @@ def control(control: Control, value: Any, high: float | None = None, scale: floa
     elif control.kind == "bool":
         changed, new = imgui.checkbox(label, value)
     elif control.kind == "choice":
-        changed, at = imgui.combo(label, control.choices.index(value), list(control.choices))
-        new = control.choices[at]
+        new = chooser(label, value, list(control.choices)) or value
+        changed = new != value
     elif control.kind == "color":
         # The picker works on what the screen shows, the sliders on the linear shares.
         code = [float(c) for c in srgb_encode(np.array(value))]
