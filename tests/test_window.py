@@ -31,10 +31,10 @@ def display():
     server.wait()
 
 
-def drive(display, *arguments):
+def drive(display, *arguments, script=DRIVER):
     env = {**os.environ, "DISPLAY": display, "PYTHONPATH": str(ROOT)}
     run = subprocess.run(
-        [sys.executable, DRIVER, *arguments], env=env, cwd=ROOT, capture_output=True, text=True, timeout=300
+        [sys.executable, script, *arguments], env=env, cwd=ROOT, capture_output=True, text=True, timeout=300
     )
     assert run.returncode == 0, run.stderr[-3000:]
     return json.loads(run.stdout.splitlines()[-1])
@@ -67,9 +67,52 @@ def test_both_sides_of_a_comparison_are_refined(done):
     assert done["sides"] == [1.0, 1.0]
 
 
+@pytest.fixture(scope="module")
+def curtain(display):
+    return drive(display, "curtain")
+
+
+def test_a_curtain_is_renders_to_the_bit_and_opens_again(curtain):
+    assert curtain["frames"] == [3, True] and curtain["as_render"] and curtain["untouched"]
+    assert curtain["reopened"] == [True, True] and curtain["scene_reopened"]
+
+
+def test_wind_and_cloth_change_while_the_curtain_moves(curtain):
+    assert curtain["live"] == [3, True, 0.1] and curtain["openness"] == [3, 0.8]
+    assert curtain["anew"] == [0, False] and curtain["undone"] == 1.8
+    assert curtain["linen"] == [True, True] and curtain["bad_room"] and curtain["gl_error"] == "GL_NO_ERROR"
+
+
+def test_every_accelerator_and_its_tree(curtain):
+    assert curtain["accelerators"] == [True, True, True]
+    assert curtain["brute_has_no_tree"] == 0 and curtain["tree"] == [True, True]
+    assert curtain["reloaded"] == ["shaders reloaded", True]
+
+
+@pytest.fixture(scope="module")
+def walked(display, tmp_path_factory):
+    return drive(display, str(tmp_path_factory.mktemp("walk")), "200x720", script=ROOT / "tests" / "window_walk.py")
+
+
+def test_panels_are_driven_by_the_mouse(walked):
+    assert walked["orbit"] and walked["orbit_seen"] > 0.05
+    assert walked["slider"] > 6.0 and walked["slider_seen"] > 0.01 and walked["undo"]
+    assert walked["curve"] != [-35.0, -35.0, 35.0, 35.0] and walked["curve_seen"] > 0.01
+    assert walked["split"] == ["split", "Linen plain"] and walked["split_at"] < 0.45
+    assert walked["opened"] and walked["bad"] == ["error", True, True] and len(walked["cloth_messages"]) == 1
+
+
+def test_the_curtain_plays_and_its_tree_follows(walked):
+    assert walked["played"] and walked["played_seen"] > 0.02 and walked["still_playing"] and walked["paused"]
+    assert walked["wind"] != 0.5 and walked["openness"] != 0.35
+    assert all(walked["tree"]) and walked["level"] == [8, True] and walked["tree_closed"]
+    assert walked["accelerator"] == "lbvh" and walked["accelerator_undone"] == "kdtree"
+    assert walked["cloth_again"] == "cloth" and walked["gl_error"] == "GL_NO_ERROR" and walked["messages"] == []
+
+
 def test_random_actions_leave_no_error_and_no_objects(display):
     result = drive(display, "monkey", "40")
-    begin, end = result["objects"]
+    begin, *_, end = result["objects"]
     assert all(end[kind] <= begin[kind] + 8 for kind in begin), result
 
 

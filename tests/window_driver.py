@@ -1,6 +1,7 @@
 """Runs the window in this process and prints what it did as JSON; real events come from xdotool.
 
 DISPLAY=:1 python tests/window_driver.py events          # orbit, wheel, keys, panels, files
+DISPLAY=:1 python tests/window_driver.py curtain         # the curtain: frames, live changes, files, trees
 DISPLAY=:1 python tests/window_driver.py monkey 1000     # random actions: memory and GL objects before and after
 """
 
@@ -18,11 +19,12 @@ import numpy as np
 from OpenGL import GL
 
 from glcloth.curtain.cloth import CurtainParameters
+from glcloth.curtain.show import CurtainScene, CurtainShow
 from glcloth.errors import InputError
 from glcloth.fabric import Transmission
 from glcloth.renderer import METHODS, Renderer
 from glcloth.scene import Scene, load_scene
-from glcloth.window import curve, orbit
+from glcloth.window import curve, orbit, sharing
 from glcloth.window.app import App
 from glcloth.window.controls import controls, curtain_controls
 
@@ -128,6 +130,82 @@ def events(folder):
     return out
 
 
+def curtain(folder):
+    """Played, changed on the way, saved and opened again; shaders reloaded; side by side with `render`."""
+    small = CurtainParameters(quads=(48, 12), pleats=4, settle=0.2)
+    scene = CurtainScene(size=(96, 64), curtain=small, spp=2)
+    app = App(scene)
+    out = {}
+    settle(app)
+    first = app.files.picture()
+    app.player.step(3)
+    settle(app)
+    third = app.files.picture()
+    out["frames"] = [app.frame, bool(np.abs(third - first).max() > 0.01)]
+    for name in ("c.exr", "c.png"):
+        app.files.save_picture(str(folder / name))
+    app.files.save_scene(str(folder / "c.toml"))
+    settle(app)
+    out["untouched"] = "otherwise" not in app.messages[-1][1]
+    with CurtainShow(app.ctx, scene) as show:
+        show.advance(3)
+        out["as_render"] = bool(np.array_equal(show.picture(), third))
+    same = []
+    for name in ("c.exr", "c.png"):
+        app.player.step(2)
+        settle(app)
+        app.files.open(str(folder / name))
+        settle(app)
+        same.append(bool(np.array_equal(app.files.picture(), third)))
+    out["reopened"] = same
+    app.files.open(str(folder / "c.toml"))
+    settle(app)
+    out["scene_reopened"] = bool(np.array_equal(app.files.picture(), first)) and app.frame == 0
+    # What changes while it moves, and what hangs it anew.
+    app.player.step(2)
+    settle(app)
+    app.session.hang("wind", wind=2.0, bending=1e-4, mass=0.1)
+    app.player.step(1)
+    settle(app)
+    out["live"] = [app.frame, app.player.touched, app.player.curtain.simulation.cloth.parameters.mass]
+    app.session.edit_transmission(rho=0.2)
+    settle(app)
+    out["openness"] = [app.frame, round(app.player.curtain.simulation.parameters.openness, 6)]
+    app.session.hang(fullness=1.5)
+    settle(app)
+    out["anew"] = [app.frame, app.player.touched]
+    app.undo()
+    settle(app)
+    out["undone"] = app.session.curtain.curtain.fullness
+    pictures = []
+    for name in ("kdtree", "lbvh", "brute"):
+        app.session.edit_curtain(accelerator=name)
+        settle(app)
+        pictures.append(app.files.picture())
+    out["accelerators"] = [bool(np.allclose(p, pictures[0], rtol=1e-5, atol=1e-6)) for p in pictures]
+    app.toggle_tree()
+    settle(app)
+    out["brute_has_no_tree"] = app.tree.boxes
+    app.session.edit_curtain(accelerator="lbvh")
+    settle(app)
+    out["tree"] = [app.tree.boxes > 20, app.tree.frame == app.frame]
+    app.reload_shaders()
+    settle(app)
+    out["reloaded"] = [app.messages[-1][1], bool(np.array_equal(app.files.picture(), pictures[1]))]
+    app.choose_fabric("linen")
+    settle(app)
+    out["linen"] = [app.session.fabric.transmission is not None, "white sheer" in app.messages[-1][1]]
+    before = app.session.document
+    app.attempt(app.session.edit_curtain, room=str(folder / "no_room.obj"))
+    settle(app)
+    out["bad_room"] = "no_room.obj" in app.messages[-1][1] and app.session.document == before
+    text = sharing.as_command(app.session.curtain, frame=app.frame)
+    out["command"] = text.splitlines()[-1]
+    out["gl_error"] = app.ctx.error
+    app.close()
+    return out
+
+
 def gl_objects():
     """How many names of textures, buffers, programs and framebuffers are alive."""
     kinds = {"textures": GL.glIsTexture, "buffers": GL.glIsBuffer, "framebuffers": GL.glIsFramebuffer}
@@ -194,7 +272,7 @@ def rest(app):
     session.choose_mode("curtain")
     if app.player is not None and app.player.playing:
         app.toggle_play()
-    session.edit_curtain(accelerator="kdtree", depth=4)
+    session.edit_curtain(accelerator="kdtree", depth=4, spp=1)
     session.hang(**{name: getattr(CurtainParameters(), name) for name in ("wind", "fullness")})
     settle(app, 120.0)
     session.choose_mode("cloth")
@@ -227,31 +305,52 @@ def curtain_actions(app, rng, pick):
     )
 
 
+def touch_everything(app):
+    """Use each kind of thing once, so that what is kept for later is there before the first count."""
+    session = app.session
+    for changes in (
+        *({"method": name} for name in METHODS),
+        {"method": "direct", "shadows": "full", "env": "sky"},
+        {"shadows": "sun"},
+        {"shadows": "off", "adaptive": True, "spp": 2},
+        {"quality": "high", "spp": 1},
+    ):
+        session.edit_scene(**changes)
+        settle(app, 120.0)
+    session.compare("difference")
+    settle(app)
+    session.choose_mode("curtain")
+    settle(app, 120.0)
+    app.toggle_tree()
+    for name in ("kdtree", "lbvh", "brute"):
+        session.edit_curtain(accelerator=name, depth=8, spp=2)
+        settle(app, 120.0)
+
+
 def monkey(count):
-    """Random actions, with a picture or two after each; a warm-up of a tenth before the first count."""
+    """Random actions, with a picture or two after each; everything is used once before the first count."""
     rng = np.random.default_rng(0)
     app = App(Scene(size=(80, 60), mesh="sphere", method="direct", grid=12))
     small = CurtainParameters(quads=(48, 12), pleats=4, settle=0.1)
     app.session.edit_curtain(curtain=small, size=(80, 60))
     settle(app)
-    begin, memory = None, []
-    for number in range(count + count // 10):
-        if number == count // 10:
+    touch_everything(app)
+    objects, memory = [], []
+    for number in range(count + 1):
+        if number % max(count // 4, 1) == 0:
             rest(app)
-            begin = gl_objects()
-        if number >= count // 10 and (number - count // 10) % max(count // 4, 1) == 0:
+            objects.append(gl_objects())
             memory.append(round(memory_mb()))
+        if number == count:
+            break
         act(app, rng)
         app._heard()
         for _ in range(int(rng.integers(1, 4))):
             glfw.post_empty_event()
             app.step()
         assert app.ctx.error == "GL_NO_ERROR", number
-    rest(app)
-    end = gl_objects()
-    memory.append(round(memory_mb()))
     app.close()
-    return {"actions": count, "objects": [begin, end], "memory_mb": memory}
+    return {"actions": count, "objects": objects, "memory_mb": memory}
 
 
 if __name__ == "__main__":
@@ -259,4 +358,4 @@ if __name__ == "__main__":
         print(json.dumps(monkey(int(sys.argv[2]))))
     else:
         with tempfile.TemporaryDirectory() as scratch:
-            print(json.dumps(events(Path(scratch))))
+            print(json.dumps({"events": events, "curtain": curtain}[sys.argv[1]](Path(scratch))))

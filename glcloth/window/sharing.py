@@ -45,8 +45,8 @@ def kind_of(path: str | Path) -> Literal["scene", "fabric", "lights", "mesh", "e
     if suffix == ".hdr":
         return "env"
     if suffix == ".exr":
-        settings = read_settings(path)
-        return "scene" if settings and "scene" in settings else "env"
+        settings = read_settings(path) or {}
+        return "scene" if "scene" in settings or "curtain" in settings else "env"
     if suffix == ".png":
         return "scene"
     if suffix == ".json":
