@@ -2,7 +2,7 @@
 
 python tests/measure_curtain.py hits      nearest hits of 100,000 rays against brute force, pictures of every structure
 python tests/measure_curtain.py cost      SAH cost against an exact tree of the same frame (minutes)
-python tests/measure_curtain.py growth    whole frames at 12,786, 50,000 and 200,000 triangles for every structure
+python tests/measure_curtain.py growth [N]    whole frames at 12786, 50000 and 200000 triangles for every structure
 python tests/measure_curtain.py strain    the longest threads of 126 frames, for every fabric
 python tests/measure_curtain.py light     the total transmittance of every fabric against its openness
 python tests/measure_curtain.py series FILE.png    the curtain over roughness, tau and openness
@@ -96,10 +96,10 @@ def cost(ctx):
             )
 
 
-def growth(ctx):
-    for count, frames in ((12_786, 20), (50_000, 6), (200_000, 3)):
+def growth(ctx, only=""):
+    for count, frames in ((12_786, 20), (50_000, 7), (200_000, 3)):
         for name in ("kdtree", "lbvh", "brute"):
-            if name == "brute" and count > 12_786:
+            if (name == "brute" and count > 12_786) or only not in ("", str(count)):
                 continue
             scene = CurtainScene(size=(320, 320), accelerator=name)
             r = bench_curtain(ctx, scene, frames if name != "brute" else 1, count)

@@ -407,7 +407,7 @@ def _quality(show: CurtainShow) -> dict:
         area[0] = area[1:3].max()
     # A pair of triangles counts as one: the builder's own unit.
     kdtree = show.scene.accelerator == "kdtree"
-    C_ts, count = (structure.parameters.C_ts, tree["pairs"]) if kdtree else (1.0, tree["count"])
+    C_ts, held = (structure.parameters.C_ts, tree["pairs"]) if kdtree else (1.0, tree["count"])
     view, size = show.scene.view, show.scene.size
     # As the tracer orders them: blocks of 4 x 2 pixels.
     at = np.arange(size[0] // 4 * 4 * (size[1] // 2 * 2))
@@ -426,7 +426,7 @@ def _quality(show: CurtainShow) -> dict:
         laps.append(time.perf_counter() - begin)
     return {
         "depth": int(tree["depth"].max()),
-        "sah": round(float((np.where(leaf, count, C_ts) * area).sum() / area[0]), 2),
+        "sah": round(float((np.where(leaf, held, C_ts) * area).sum() / area[0]), 2),
         "C_ts": C_ts,
         "steps_per_ray": round(float(work[:, 0].mean()), 2),
         "tests_per_ray": round(float(work[:, 1].mean()), 2),
