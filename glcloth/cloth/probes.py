@@ -24,6 +24,7 @@ class Probes:
     Parameters
     ----------
     points, normals : [P, 3]
+    tangents : [P, 4] yarn 1, and the handedness
     offset : [P, 2] how far off the front and the back rays start
     first : [C + 1] where each class of probes begins, and P; each class has its own share of the directions
     spread : [V, P] sparse; a row's weights sum to 1 in each class that it has
@@ -32,6 +33,7 @@ class Probes:
 
     points: np.ndarray
     normals: np.ndarray
+    tangents: np.ndarray
     offset: np.ndarray
     first: np.ndarray
     spread: sparse.csr_array
@@ -40,7 +42,10 @@ class Probes:
     def moved(self, mesh: Mesh) -> Probes:
         """The same probes after the vertices of the mesh moved."""
         return replace(
-            self, points=mesh.positions[self.vertices].astype(float), normals=mesh.normals[self.vertices].astype(float)
+            self,
+            points=mesh.positions[self.vertices].astype(float),
+            normals=mesh.normals[self.vertices].astype(float),
+            tangents=mesh.tangents[self.vertices].astype(float),
         )
 
 
@@ -127,7 +132,13 @@ def place_probes(
     spread = _shared_evenly(spread.tocsr()[:, order].tocoo(), kind, classes)
     first = np.searchsorted(kind, np.arange(classes + 1))
     return Probes(
-        mesh.positions[chosen].astype(float), mesh.normals[chosen].astype(float), offset[chosen], first, spread, chosen
+        mesh.positions[chosen].astype(float),
+        mesh.normals[chosen].astype(float),
+        mesh.tangents[chosen].astype(float),
+        offset[chosen],
+        first,
+        spread,
+        chosen,
     )
 
 

@@ -12,13 +12,15 @@ from ..color import luminance
 from ..gpu import TextureBuffer
 from ..lights import Lights, SphericalGaussians
 from ..mesh import Mesh
-from ..reference.visibility import LEAST, cube_shares, gaussian_table, own_directions, world_directions
+from ..reference.visibility import LEAST, gaussian_table, own_directions, world_directions
 from .probes import Probes, place_probes
 
 DIRECTIONS = 256
 WORD = 32
 FEWEST = 16  # directions of each probe that must be traced before there is a mean
-BROAD = 8  # numbers of the broad light: three, a gap, three, a gap
+BROAD = 12  # numbers of the broad light: four of the low band, four of the middle one, four times the top
+BROAD_FLOOR = 0.02  # of the broad light's mean is added to it everywhere
+BROAD_PART = 0.05  # of all light: about what one mean of the broad light is of
 NARROW = 30.0  # sharpness from which a Gaussian has directions of its own,
 OWN = 16  # so many, of all classes together
 NEAREST_LAYER = 1 / 3  # of the way to the next layer of cloth: how far rays may start from their own
@@ -40,6 +42,8 @@ class VertexVisibility:
         self._programs: dict[str, object] = {}
         self._queries = RayQueries(ctx)
         self._probe_data = TextureBuffer(ctx, 32)
+        self._x_data = TextureBuffer(ctx, 16)
+        self._light_data = TextureBuffer(ctx, 16 * DIRECTIONS)
         self._row_data = TextureBuffer(ctx, 8, "rg32ui")
         self._spread_data = TextureBuffer(ctx, 8, "rg32ui")
         self._bits = TextureBuffer(ctx, 4, "r32ui")
@@ -95,6 +99,7 @@ class VertexVisibility:
         records[:, 0, :3], records[:, 1, :3] = probes.points, probes.normals
         records[:, 0, 3], records[:, 1, 3] = offset.T
         self._probe_data.write(records)
+        self._x_data.write(probes.tangents.astype("f4"))
 
     def _offset_between_layers(self) -> np.ndarray:
         """The probes' offsets [P, 2], at most a third of the way to the next layer."""
@@ -206,14 +211,15 @@ class VertexVisibility:
         """Make the means under these lights, from as many directions as are traced; nothing when they are made.
 
         `broad`: how much [K] of each Gaussian a method sums with others before it knows V. That light's visibility
-        follows V_K as six means, over the parts of the sphere that `cube_shares` tells.
+        follows V_K as nine means over parts of the surface frame (`reference.visibility.from_bands`).
         """
         sharp = self._sharp is lights
         state = self.done, sharp, broad.tobytes()
         if self._lights is lights and self._state == state:
             return
-        tables = [self._table(c, lights, broad, sharp) for c in range(self.classes)]
-        self.groups = tables[0].shape[1] // 4
+        tables = [self._table(c, lights, sharp) for c in range(self.classes)]
+        first_broad = tables[0].shape[1] // 4
+        self.groups = first_broad + BROAD // 4
         words, P, V = 4 * self.groups, len(self.probes.points), self.probes.spread.shape[0]
         self._sums.reserve(8 * words * P)
         self.means.reserve(8 * self.groups * V)
@@ -228,7 +234,7 @@ class VertexVisibility:
             buffer.bind(unit)
         self._sums.buffer.bind_to_storage_buffer(0)
         for c, first in enumerate(firsts):
-            for group in range(self.groups):
+            for group in range(first_broad):
                 self._run(
                     program,
                     *self.probes.first[c : c + 2],
@@ -237,8 +243,9 @@ class VertexVisibility:
                     first=tuple(map(int, first[4 * group : 4 * group + 4])),
                     last=tuple(map(int, first[4 * group + 1 : 4 * group + 5])),
                 )
+        there = self._sum_broad(lights, broad, first_broad)
         self.ctx.memory_barrier()
-        sums = sum(table.sum(0) for table in tables)
+        sums = np.append(sum(table.sum(0) for table in tables), np.full(BROAD, BROAD_PART * there))
         least = np.where(sums > 0.0, LEAST * sums, 1.0).reshape(-1, 4)
         program = self._program("spread")
         for unit, buffer in enumerate((self._sums, self._row_data, self._spread_data), 9):
@@ -250,14 +257,38 @@ class VertexVisibility:
         self._lights, self._state = lights, state
         self.version += 1
 
-    def _table(self, c: int, lights: Lights, broad: np.ndarray, sharp: bool) -> np.ndarray:
-        """What the traced directions [n] of a class weigh in each number of `means` [n, 4 groups]."""
+    def _sum_broad(self, lights: Lights, broad: np.ndarray, first_broad: int) -> float:
+        """Sum what the probes see of the broad light; returns how much of it there is, over all directions."""
+        gaussians = lights.gaussians
+        light = SphericalGaussians(gaussians.axis, gaussians.sharpness, gaussians.amplitude * broad[:, None])
+        weight = luminance(np.maximum(light.radiance(self.directions), 0.0))
+        # Where there is no such light, V still goes on smoothly from where there is.
+        weight = (weight + BROAD_FLOOR * weight.mean() + 1e-30) / (weight.max() + 1e-30)
+        records = np.zeros((DIRECTIONS, 4), "f4")
+        records[:, :3], records[:, 3] = self.directions, weight
+        self._light_data.write(records)
+        program = self._program("broad")
+        for unit, buffer in enumerate((self._bits, self._light_data, self._probe_data, self._x_data), 9):
+            buffer.bind(unit)
+        for c in range(self.classes):
+            self._run(
+                program,
+                *self.probes.first[c : c + 2],
+                group=first_broad,
+                group_count=self.groups,
+                first_direction=c * self.share,
+                direction_count=self.done,
+            )
+        return float(weight.sum())
+
+    def _table(self, c: int, lights: Lights, sharp: bool) -> np.ndarray:
+        """What the traced directions [n] of a class weigh in each number of `means` before the broad light's."""
         gaussians = lights.gaussians
         fixed = self._traced[c][: self.done]
         # As sharp as the fixed directions of all classes together can tell.
         table = gaussian_table(fixed, gaussians.axis, gaussians.sharpness, self.done * self.classes)
         gap = np.zeros((len(fixed), broad_number(len(gaussians)) - table.shape[1]))
-        table = np.concatenate([table, gap, self._cube_table(fixed, lights, broad)], 1)
+        table = np.concatenate([table, gap], 1)
         if sharp:
             own = np.zeros((len(self._traced[c]) - self.done, table.shape[1]))
             table[:, 1 + self._narrow] = 0.0
@@ -266,16 +297,6 @@ class VertexVisibility:
                 own[each * place :][:each, 1 + k] = 1.0
             table = np.concatenate([table, own])
         return table
-
-    def _cube_table(self, directions: np.ndarray, lights: Lights, broad: np.ndarray) -> np.ndarray:
-        """Weights [n, BROAD] of directions in the six means."""
-        gaussians = lights.gaussians
-        light = SphericalGaussians(gaussians.axis, gaussians.sharpness, gaussians.amplitude * broad[:, None])
-        everywhere = luminance(np.maximum(light.radiance(self.directions), 0.0))
-        # Where there is no such light, V still goes on smoothly from where there is.
-        weight = luminance(np.maximum(light.radiance(directions), 0.0)) + 0.02 * everywhere.mean() + 1e-30
-        table = weight[:, None] / (everywhere.max() + 1e-30) * cube_shares(directions)
-        return np.insert(table, (3, 6), 0.0, 1)
 
     # -- reading back ------------------------------------------------------------------------------------------------
 
@@ -313,7 +334,16 @@ class VertexVisibility:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        buffers = (self._probe_data, self._row_data, self._spread_data, self._bits, self._entries, self._direction_data)
+        buffers = (
+            self._probe_data,
+            self._x_data,
+            self._light_data,
+            self._row_data,
+            self._spread_data,
+            self._bits,
+            self._entries,
+            self._direction_data,
+        )
         for thing in (*buffers, self._sums, self.means, self._queries, *self._programs.values()):
             thing.release()
 

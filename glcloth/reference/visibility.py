@@ -39,13 +39,48 @@ def gaussian_table(directions, axis, sharpness, count=None):
     return np.concatenate([np.ones((len(directions), 1)), np.where(G < LEAST, 0.0, G)], 1)
 
 
-def cube_shares(omega):
-    """How much [..., 6] a direction belongs to +x, +y, +z, -x, -y, -z: the squares of its components; they sum to 1.
+def band_shares(z):
+    """How much [..., 3] a direction of the cosine z belongs to the horizon, to the band above it (centred on 0.4) and to
+    the top; hats that sum to 1.   [own]"""
+    z = np.asarray(z, float)
+    return np.stack([np.interp(z, [0.0, 0.4, 1.0], hat) for hat in np.eye(3)], -1)
 
-    McTaggart 2004, "Half-Life 2 / Valve Source shading" (the ambient cube).
+
+def quadrant_shares(omega):
+    """How much [..., 4] a direction of a surface frame belongs to +x, +y, -x, -y: the squares of cosine and sine of its
+    azimuth; they sum to 1, but within 1e-6 of the pole.   [own]"""
+    x, y = omega[..., 0], omega[..., 1]
+    r_2 = np.maximum(x * x + y * y, 1e-12)
+    return np.stack([np.maximum(v, 0.0) ** 2 / r_2 for v in (x, y, -x, -y)], -1)
+
+
+def from_bands(omega, low, middle, top):
+    """A value over the directions of a surface frame from its means toward +x, +y, -x, -y in two bands and at the top.   [own]"""
+    bands = band_shares(omega[..., 2])
+    ring = bands[..., :1] * np.asarray(low, float) + bands[..., 1:2] * np.asarray(middle, float)
+    return np.sum(quadrant_shares(omega) * ring, -1) + bands[..., 2] * np.asarray(top, float)
+
+
+def broad_sums(bits, N, x, handedness, directions, light):
+    """Weights [P, 2, 2, 9] of what probes see of the broad light and of all of it, front and back: low, middle, top.   [own]
+
+    w_j = light_j flat_weight(+-D_j . N) (share of the part)^2: squares, so that a mean is of the middle of its part.
+
+    Parameters
+    ----------
+    bits : [P, n] bool
+    N, x, handedness : [P, 3], [P, 3], [P] the probes' surface frames
+    directions, light : [n, 3], [n]
     """
-    omega = np.asarray(omega, float)
-    return np.concatenate([np.maximum(omega, 0.0) ** 2, np.maximum(-omega, 0.0) ** 2], -1)
+    y = np.asarray(handedness, float)[:, None] * np.cross(N, x)
+    sums = []
+    for sign in (1.0, -1.0):
+        omega = np.stack([np.asarray(axis, float) @ np.asarray(directions, float).T for axis in (x, y, sign * N)], -1)
+        bands, quadrants = band_shares(omega[..., 2]), quadrant_shares(omega)
+        shares = np.concatenate([bands[..., :1] * quadrants, bands[..., 1:2] * quadrants, bands[..., 2:]], -1)
+        w = (light * flat_weight(omega[..., 2]))[..., None] * shares**2
+        sums.append(np.stack([(w * bits[..., None]).sum(1), w.sum(1)], 1))
+    return np.stack(sums, 1)
 
 
 def own_directions(axis, sharpness, count):
@@ -82,11 +117,6 @@ def mean_visibility(bits, N, directions, table):
         least = LEAST * table.sum(0)
         V[:, side] = (above + least) / np.maximum(below + least, 1e-30)
     return V
-
-
-def from_cube(omega, plus, minus):
-    """A value over directions from its means about the six axes.   McTaggart 2004"""
-    return np.sum(cube_shares(omega) * np.concatenate([plus, minus], -1), -1)
 
 
 def bounced(L, rho, V_0):

@@ -215,7 +215,7 @@ vec3 L_sky(float cos_o, mat3 surface_from_world) {
         EACH_GROUP(CLEAR)
         EACH_GROUP(LIGHT_SKY)
         vec3 omega = rule.xyz * surface_from_world;
-        L += map_radiance(sky_light, omega) * V_broad(omega) * sum_tangents();
+        L += map_radiance(sky_light, omega) * V_broad(rule.xyz) * sum_tangents();
     } while (++node < sky_nodes.y);
     return L;
 }
@@ -291,10 +291,8 @@ vec3 L_pooled(vec3 omega_o, mat3 surface_from_world) {
                 vec2 R = rule.y / cp * P_t * M.xy / vec2(Q_1, Q);
                 vec2 r_s = front * lobe.y * R * F_r.xy * cos_half_phi_d.xy;
                 vec2 r_v = front_v * lobe.z * R * (1.0 - F_r.xy) * (1.0 - F_r.xy);
-                omega_1 = omega_1 * surface_from_world;
-                omega_2 = omega_2 * surface_from_world;
-                vec3 E_1 = map_radiance(pooled_light, omega_1) * V_broad(omega_1);
-                vec3 E_2 = map_radiance(pooled_light, omega_2) * V_broad(omega_2);
+                vec3 E_1 = map_radiance(pooled_light, omega_1 * surface_from_world) * V_broad(omega_1);
+                vec3 E_2 = map_radiance(pooled_light, omega_2 * surface_from_world) * V_broad(omega_2);
                 sum_s += E_1 * r_s.x + E_2 * r_s.y;
                 sum_v += E_1 * r_v.x + E_2 * r_v.y;
             } while (++pair < pool_counts.z);

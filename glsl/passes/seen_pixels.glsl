@@ -1,22 +1,23 @@
 // What the pixel that is being shaded sees of each light: "seen.glsl" of a program with shadows.
 #include "trace/visibility.glsl"
-// Four values a texel; numbered through they are V_0, V_1 .. V_K, then from a whole texel on two threes of the broad
-// light, then the suns.
+// Four values a texel; numbered through they are V_0, V_1 .. V_K, then from a whole texel on those of the broad light (four
+// of the low band, four of the middle one, the top), then the suns.
 layout(binding = 2) uniform sampler2DArray seen;
 uniform int broad_number;  // of the first of the broad light's, a multiple of 4
 uniform int sun_number;    // of the first sun, likewise
 uniform vec3 rho;          // directional albedo of the fabric
 ivec2 seen_from;
-vec3 V_plus, V_minus;
-vec4 V_four;
+vec4 V_low, V_middle, V_four;
+float V_top;
 int four;
 
 vec4 V_texel(int layer) { return texelFetch(seen, ivec3(seen_from, layer), 0); }
 
 void look_from(ivec2 pixel) {
     seen_from = pixel;
-    V_plus = V_texel(broad_number >> 2).xyz;
-    V_minus = V_texel((broad_number >> 2) + 1).xyz;
+    V_low = V_texel(broad_number >> 2);
+    V_middle = V_texel((broad_number >> 2) + 1);
+    V_top = V_texel((broad_number >> 2) + 2).x;
     four = -1;
 }
 
@@ -34,7 +35,7 @@ float V_gaussian(int k) { return V_number(1 + k); }
 
 float V_sun(int s) { return V_number(sun_number + s); }
 
-// Of the light that is summed over several Gaussians, from a direction of world space.
-float V_broad(vec3 omega) { return from_cube(omega, V_plus, V_minus); }
+// Of the light that is summed over several Gaussians, from a direction of the surface frame.
+float V_broad(vec3 omega) { return from_bands(omega, V_low, V_middle, V_top); }
 
 vec3 with_bounce(vec3 L) { return bounced(L, rho, V_texel(0).x); }

@@ -1,8 +1,23 @@
 // What a point sees of its surroundings.   Twin: glcloth/reference/visibility.py
 
-// [McTaggart 2004, the ambient cube]  A value over directions from its means about the six axes.
-float from_cube(vec3 omega, vec3 plus, vec3 minus) {
-    return dot(omega * omega, mix(minus, plus, greaterThan(omega, vec3(0.0))));
+// [own]  How much a direction of the cosine z belongs to the horizon, to the band above it and to the top; they sum to 1.
+vec3 band_shares(float z) {
+    float low = clamp(1.0 - 2.5 * z, 0.0, 1.0);
+    float top = clamp((z - 0.4) / 0.6, 0.0, 1.0);
+    return vec3(low, 1.0 - low - top, top);
+}
+
+// [own]  How much a direction of a surface frame belongs to +x, +y, -x, -y; they sum to 1, but for the pole.
+vec4 quadrant_shares(vec3 omega) {
+    vec2 shares = omega.xy * omega.xy / max(dot(omega.xy, omega.xy), 1e-12);
+    return vec4(omega.x > 0.0 ? shares.x : 0.0, omega.y > 0.0 ? shares.y : 0.0,
+        omega.x > 0.0 ? 0.0 : shares.x, omega.y > 0.0 ? 0.0 : shares.y);
+}
+
+// [own]  A value over the directions of a surface frame from its means toward +x, +y, -x, -y in two bands and at the top.
+float from_bands(vec3 omega, vec4 low, vec4 middle, float top) {
+    vec3 bands = band_shares(omega.z);
+    return dot(quadrant_shares(omega), bands.x * low + bands.y * middle) + bands.z * top;
 }
 
 // [own]  One diffuse bounce: what hides the light is cloth of albedo rho, lit about as the point itself.

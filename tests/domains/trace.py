@@ -25,8 +25,10 @@ def near(rng, count):
 
 DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}
 SPECIAL = {
-    ("from_cube", "plus"): lambda rng, count: rng.random((count, 3)),
-    ("from_cube", "minus"): lambda rng, count: rng.random((count, 3)),
+    ("band_shares", "z"): between(-1.0, 1.0, 0.0, 0.4),
+    ("from_bands", "low"): lambda rng, count: rng.random((count, 4)),
+    ("from_bands", "middle"): lambda rng, count: rng.random((count, 4)),
+    ("from_bands", "top"): between(0.0, 1.0),
     ("bounced", "L"): lambda rng, count: 10 * rng.random((count, 3)),
     ("bounced", "rho"): lambda rng, count: rng.random((count, 3)),
     ("bounced", "V_0"): between(0.0, 1.0),
