@@ -18,7 +18,7 @@ path = sys.argv[1] if len(sys.argv) > 1 else "out/11_turning_sun.mp4"
 size = sys.argv[2] if len(sys.argv) > 2 else "320x240"
 frames = int(sys.argv[3]) if len(sys.argv) > 3 else 75
 rate = 25
-camera = glcloth.Camera(eye=(0.9, 1.5, 3.6), target=(0.0, 1.25, 0.1), fov_deg=40.0)
+camera = glcloth.Camera(eye=(1.0, 1.5, 3.6), target=(0.05, 1.25, 0.1), fov_deg=40.0)
 sun = fit_lights(load_environment("sky"), 10).suns.direction[0]
 # From 65 degrees on one side of the curtain's front, which is +z, to 65 on the other.
 straight = -np.degrees(np.arctan2(sun[0], sun[2]))
