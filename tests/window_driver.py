@@ -2,6 +2,7 @@
 
 DISPLAY=:1 python tests/window_driver.py events          # orbit, wheel, keys, panels, files
 DISPLAY=:1 python tests/window_driver.py curtain         # the curtain: frames, live changes, files, trees
+DISPLAY=:1 python tests/window_driver.py rates           # how often input is heard, how long pictures take
 DISPLAY=:1 python tests/window_driver.py monkey 1000     # random actions: memory and GL objects before and after
 """
 
@@ -206,6 +207,81 @@ def curtain(folder):
     return out
 
 
+def rates(seconds=4.0):
+    """How often input is heard, and how long a picture takes, at 1280 x 720 in each kind of work. Figures of docs/window.md."""
+    app = App(Scene())
+    glfw.set_window_pos(app.host.window, 0, 0)
+    settle(app)
+    out = {}
+
+    def hear(name, act=lambda k: None):
+        gaps, pictures = [], app.drawer.sides[0].version
+        begin = last = time.perf_counter()
+        while last - begin < seconds:
+            act(len(gaps))
+            glfw.post_empty_event()
+            app.step()
+            now = time.perf_counter()
+            gaps.append(1e3 * (now - last))
+            last = now
+        g = np.array(gaps)
+        out[name] = {
+            "hz": round(len(g) / (last - begin), 1), "median_ms": round(float(np.median(g)), 1),
+            "p95_ms": round(float(np.percentile(g, 95)), 1), "over_33_ms": round(float((g > 33.4).mean()), 3),
+            "pictures_per_s": round((app.drawer.sides[0].version - pictures) / seconds, 1),
+        }  # fmt: skip
+
+    hear("orbit", lambda k: app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0)))
+    hear("slider", lambda k: app.session.edit_yarn(0, "s", gamma_s_deg=5.0 + 0.01 * (k % 500)))
+    app.session.edit_scene(method="reference")
+    hear("reference refines")
+    app.session.edit_scene(method="direct", shadows="full")
+    settle(app, 60.0)
+    hear("orbit, shadows full", lambda k: app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0)))
+    app.session.edit_scene(shadows="off")
+    settle(app)
+    out["latency"] = latency(app)
+    app.session.choose_mode("curtain")
+    settle(app, 60.0)
+    app.toggle_play()
+    hear("curtain plays")
+    app.toggle_tree()
+    hear("curtain plays, tree open")
+    out["curtain_ms"] = {k: round(v, 1) for k, v in vars(app.player.timings).items()}
+    app.toggle_play()
+    hear("curtain refines")
+    app.close()
+    return out
+
+
+def latency(app, times=8):
+    """Milliseconds from the arrival of a mouse's motion (by xdotool) to the first changed picture on the screen and to the
+    refined one; medians."""
+    during(app, ["mousemove", 400, 300], ["mousedown", 1])
+    first, refined, heard = [], [], []
+
+    def note():
+        heard.append(time.perf_counter())
+        app._heard()
+
+    app.host._heard = note
+    for k in range(times):
+        before, seen = app.drawer.sides[0].version, None
+        heard.clear()
+        process = subprocess.Popen(["xdotool", "mousemove", str(404 + 4 * k), "300"])
+        while seen is None or app.busy or app.pending:
+            glfw.post_empty_event()
+            app.step()
+            if seen is None and app.drawer.sides[0].version != before and not app._owed:
+                seen = 1e3 * (time.perf_counter() - heard[0])
+        first.append(seen)
+        refined.append(1e3 * (time.perf_counter() - heard[0]))
+        process.wait()
+    app.host._heard = app._heard
+    during(app, ["mouseup", 1])
+    return {"first_ms": round(float(np.median(first)), 1), "refined_ms": round(float(np.median(refined)), 1)}
+
+
 def gl_objects():
     """How many names of textures, buffers, programs and framebuffers are alive."""
     kinds = {"textures": GL.glIsTexture, "buffers": GL.glIsBuffer, "framebuffers": GL.glIsFramebuffer}
@@ -356,6 +432,8 @@ def monkey(count):
 if __name__ == "__main__":
     if sys.argv[1] == "monkey":
         print(json.dumps(monkey(int(sys.argv[2]))))
+    elif sys.argv[1] == "rates":
+        print(json.dumps(rates(), indent=1))
     else:
         with tempfile.TemporaryDirectory() as scratch:
             print(json.dumps({"events": events, "curtain": curtain}[sys.argv[1]](Path(scratch))))

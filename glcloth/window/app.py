@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import replace
 
 from .host import Host  # first: it brings the glfw library that imgui-bundle shares   # isort: skip
@@ -28,6 +29,8 @@ from .tree_window import TreeWindow
 DEFAULT_SIZE = (1280, 720)
 PANEL = 400  # width of the panels at 96 dpi
 LATE = 0.012  # seconds into a step after which the screen waits for the next one
+PATIENCE = 0.06  # seconds
+QUIET = 0.7  # seconds without an event after which nobody is taken to be at work
 WAKE = 3  # pictures of the panels after an event: hovering and fading settle within these
 NOT_LIGHT = ("exposure", "view_transform")  # how a picture is shown
 
@@ -62,6 +65,10 @@ class App:
         self._curtain_drawn: CurtainScene | None = None
         self._go_to: int | None = frame_of(source) if isinstance(scene, CurtainScene) else None
         self._ui_seconds = 0.005  # what the panels take of a step
+        self._presented = 0.0
+        self._last_heard = 0.0
+        self._warming: Iterator[None] | None = None
+        self._warm = False
         self._owed = False  # something is drawn and not yet shown
         self.navigation = Navigation(self)
         self.host = Host((wanted[0] + PANEL, wanted[1]), self._heard, self.navigation.type, self._dropped)
@@ -96,6 +103,7 @@ class App:
 
     def _heard(self) -> None:
         self._awake = WAKE
+        self._last_heard = time.perf_counter()
 
     def _dropped(self, paths: list[str]) -> None:
         for path in paths:
@@ -120,14 +128,20 @@ class App:
         self.files.watch()
         self.files.dialogs.poll()
         self._panels()
+        before = self._shown
         changed = self._follow_document()
+        if self._shown is not before:
+            self._presented = begin  # the answer has so long before the panels are shown without it
         # What was drawn in the last step is shown in this one, so that neither takes longer than a look at the input may.
         owed, self._owed = self._owed, False
         if self.busy and not owed:
             changed |= self._work(max(BUDGET - self._ui_seconds - 0.003, 0.012))
             self._owed = changed and time.perf_counter() - begin > LATE
-        if not self._owed and (owed or changed or self._awake > 0):
+        # While an answer is on its way the panels alone are shown again only now and then: it shows them too.
+        soon = self.drawer.previewing and begin - self._presented < PATIENCE
+        if not self._owed and (owed or changed or (self._awake > 0 and not soon)):
             self._present()
+            self._presented = time.perf_counter()
             self._awake -= 1
         self.host.collect()
 
@@ -166,6 +180,10 @@ class App:
         elif imgui.get_io().want_text_input:
             glfw.wait_events_timeout(0.4)  # the caret blinks
             self._awake = max(self._awake, 1)
+        elif self._warming is not None:
+            glfw.wait_events_timeout(QUIET)
+            if time.perf_counter() - self._last_heard > QUIET and next(self._warming, self) is self:
+                self._warming, self._warm = None, True
         elif self.files.watching:
             glfw.wait_events_timeout(0.25)
         else:
@@ -199,6 +217,9 @@ class App:
         self.full_ms = 1e3 * (time.perf_counter() - self._full_begin)
         if not self.session.in_curtain:
             self.covered = self.renderer.covered_pixels()
+            if not self._warm and self._warming is None and self.session.scene.method == "direct":
+                # What edits of the weave may need is compiled while nobody does anything.
+                self._warming = self.renderer.warm_up(self.frames[0])
         self._awake = max(self._awake, 2)  # the overlay says so, and fits its new text
         self.files.save_later()
 
@@ -228,7 +249,7 @@ class App:
         self._awake = WAKE
 
     def _follow_document(self) -> bool:
-        """Hand what the document asks for to what draws it; True when that is something new."""
+        """Hand what the document asks for to what draws it; True when what is drawn already is to be shown otherwise."""
         self._follow_size()
         if self.tree is not None and self.tree.closed:
             self.toggle_tree()
@@ -275,10 +296,11 @@ class App:
             and all(_same_light(new, old) for new, old in zip(frames, self.frames, strict=True))
         )
         self.frames = frames
-        if not only_look or self.refiner.sides == []:
-            self.refiner.show(frames)
-            self._full_begin = time.perf_counter()
-        return True
+        if only_look and self.refiner.sides:
+            return True
+        self.refiner.show(frames)
+        self._full_begin = time.perf_counter()
+        return False
 
     def _frame(self, scene: Scene, ready: Ready, complete: bool) -> Frame:
         """A frame of what is there; while tables or a fit are being made, the last light and the direct method serve."""
@@ -308,11 +330,12 @@ class App:
             self._full_begin = time.perf_counter()
             if self.tree is not None:
                 self.tree.look_as(scene.view)
+            fresh = False
         self._curtain_drawn = scene
         if self._go_to is not None:
             self.player.go_to(self._go_to)
             self._go_to = None
-        return True
+        return fresh
 
     def _tree_follows(self, curtain) -> None:
         if self.tree is not None:

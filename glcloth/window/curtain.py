@@ -69,6 +69,11 @@ class Player:
         return self._plan is None
 
     @property
+    def previewing(self) -> bool:
+        """True while a picture is on its way that answers what was done last."""
+        return self._plan is not None and not self._refining
+
+    @property
     def frame(self) -> int:
         """The number of the frame that hangs now."""
         return self.curtain.frame if self.curtain else 0

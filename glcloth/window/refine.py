@@ -13,6 +13,8 @@ from ..cloth.visibility import FEWEST
 from ..renderer import Frame, Renderer
 
 BUDGET = 0.026  # seconds between two looks at the input that are aimed at, so that they are rarely 0.033
+PREVIEW = 0.028  # seconds of shading a picture while something changes
+HASTE = 1.7  # by how much the first picture after a rest is smaller still
 LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # by how much a preview is smaller than the picture
 HALF_FROM = 0.8  # seconds of full size from which something quicker comes first
 SLICE = 0.016  # seconds of work that is not split further, between two looks
@@ -47,6 +49,7 @@ class Refiner:
         self.preview_ms = 0.0
         self._frames: list[Frame] = []
         self._scale = 6.0
+        self._shading = 0.0  # seconds that the last preview took, but for its G-buffer
         self._refining = self._again = False
         self._seconds_per_row: dict[tuple, float] = {}
         self._targets: dict[tuple, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
@@ -96,6 +99,11 @@ class Refiner:
             self._plan = None
             raise
 
+    @property
+    def previewing(self) -> bool:
+        """True while a picture is on its way that answers what was done last."""
+        return self._plan is not None and not self._refining
+
     def finish(self) -> None:
         """Draw until all is at full quality."""
         while not self.idle:
@@ -115,13 +123,16 @@ class Refiner:
     def _all(self) -> Iterator[bool]:
         """Previews of all sides, then each at full size; yields whether something new is to be seen."""
         self._refining = False
+        hasty = True
         while True:
             self._again = False
             frames = list(self._frames)
             yield from self._shadows(frames, FEWEST)
             for number, frame in enumerate(frames):
-                yield from self._preview(number, frame)
+                yield from self._preview(number, frame, hasty)
             yield True
+            # The first answer comes soon rather than sharp; who goes on moving sees more.
+            hasty = False
             if not self._again:
                 break
         self._refining = True
@@ -131,24 +142,34 @@ class Refiner:
         for number, frame in enumerate(frames):
             yield from self._at(number, frame, 1.0, "full")
 
-    def _preview(self, number: int, frame: Frame) -> Iterator[bool]:
+    def _preview(self, number: int, frame: Frame, hasty: bool) -> Iterator[bool]:
         """A small picture that takes little time, and the size of the next one from how long it took."""
-        scale = self._scale
-        small = _smaller(frame, scale)
+        scale = self._scale if not hasty else next((s for s in LADDER if s >= HASTE * self._scale), LADDER[-1])
+        small = _preview(frame, scale, adaptive=not hasty)
+        height = small.scene.size[1]
+        bands = 1 if hasty else max(1, round(self._shading / SLICE))
+        placing = True  # until the first row is asked for, which takes no time that the size has a say in
+
+        def rows() -> int:
+            nonlocal placing
+            placing = False
+            return -(-height // bands)
+
         last = time.perf_counter()
-        slowest = spent = 0.0
-        for _ in self.renderer.steps(small, lambda: small.scene.size[1], hurry=True):
+        spent = shading = 0.0
+        for _ in self.renderer.steps(small, rows, hurry=True):
             now = time.perf_counter()
-            slowest, spent = max(slowest, now - last), spent + now - last
+            spent, shading = spent + now - last, shading + (0.0 if placing else now - last)
             yield False
             last = time.perf_counter()
         if number < len(self.sides):
             self._take(number, "preview", small, scale)
             self.ctx.finish()
-        now = time.perf_counter()
-        self.preview_ms = 1e3 * (spent + now - last)
-        self._learn(max(slowest, now - last))
-        yield False
+        rest = time.perf_counter() - last
+        self.preview_ms = 1e3 * (spent + rest)
+        if not hasty:
+            self._shading = shading + rest
+            self._learn(self._shading)
 
     def _between(self, number: int, frame: Frame) -> Iterator[bool]:
         """What is shown between a preview and a full picture that takes long: the adaptive rate, or half the size."""
@@ -162,7 +183,8 @@ class Refiner:
         if method == "direct":
             quick = scene.model_copy(update={"adaptive": True, "spp": 1, "method": method, "quality": quality})
             if quick != scene:
-                yield from self._at(number, replace(frame, scene=quick), 1.0, "quick")
+                settings = replace(frame.settings, quality=quality)
+                yield from self._at(number, replace(frame, scene=quick, settings=settings), 1.0, "quick")
         elif self._scale > 2.0:
             yield from self._at(number, _smaller(frame, 2.0), 2.0, "half")
 
@@ -180,11 +202,11 @@ class Refiner:
                 last = time.perf_counter()
 
     def _learn(self, seconds: float) -> None:
-        """Choose the next preview's size from how long the slowest part of this one took."""
+        """Choose the next preview's size from how long the shading of this one took."""
         place = LADDER.index(self._scale)
-        if seconds > 1.4 * SLICE and place + 1 < len(LADDER):
+        if seconds > 1.4 * PREVIEW and place + 1 < len(LADDER):
             self._scale = LADDER[place + 1]
-        elif place > 0 and seconds * (self._scale / LADDER[place - 1]) ** 2 < SLICE:
+        elif place > 0 and seconds * (self._scale / LADDER[place - 1]) ** 2 < PREVIEW:
             self._scale = LADDER[place - 1]
 
     def _at(self, number: int, frame: Frame, scale: float, stage: str) -> Iterator[bool]:
@@ -283,6 +305,18 @@ def _smaller(frame: Frame, scale: float) -> Frame:
     size = tuple(max(1, round(side / scale)) for side in frame.scene.size)
     method = "direct" if frame.scene.method == "reference" else frame.scene.method
     return replace(frame, scene=frame.scene.model_copy(update={"size": size, "spp": 1, "method": method}))
+
+
+def _preview(frame: Frame, scale: float, adaptive: bool) -> Frame:
+    """What is drawn while something changes: small, and no finer than normal; the smallest gain nothing by the adaptive
+    rate."""
+    small = _smaller(frame, scale)
+    quality = "normal" if frame.scene.quality == "high" else frame.scene.quality
+    return replace(
+        small,
+        scene=small.scene.model_copy(update={"adaptive": adaptive, "quality": quality}),
+        settings=replace(small.settings, quality=quality),
+    )
 
 
 def _cost_key(frame: Frame, scale: float = 1.0) -> tuple:
