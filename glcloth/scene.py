@@ -44,7 +44,7 @@ class Scene(BaseModel):
     quality: Literal["draft", "normal", "high"] = "normal"
     adaptive: bool = False
     light: Literal["sg", "map"] = "sg"
-    shadows: Literal["off", "sun", "full"] = "off"
+    shadows: Literal["off", "sun", "full"] = "full"
     bounce: bool = True
     segments: Annotated[int, Field(ge=2, le=64)] = 6
     cube: Annotated[int, Field(ge=4, le=128)] = 32

@@ -317,9 +317,9 @@ def test_many_vertices_are_decimated_and_keep_constants_and_places(ctx):
     probes = place_probes(mesh, most=1000, classes=4)
     assert 200 < len(probes.points) <= 1000
     sums = np.asarray(probes.spread.sum(1)).ravel()
-    assert np.allclose(sums, np.round(sums)) and sums.min() >= 1 and sums.max() <= 4
+    assert np.allclose(sums, np.round(sums)) and 0.999 < sums.min() and sums.max() < 4.001
     near = (probes.spread @ probes.points) / sums[:, None]
-    assert np.linalg.norm(near - mesh.positions, axis=1).max() < 4 * 2 / 60
+    assert np.linalg.norm(near - mesh.positions, axis=1).max() < 6 * 2 / 60
     counts = np.diff(probes.first)
     assert counts.min() > 0.8 * counts.max()
 
