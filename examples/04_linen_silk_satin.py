@@ -17,7 +17,7 @@ environment = sys.argv[3] if len(sys.argv) > 3 else "studio"
 rows = []
 with glcloth.Renderer() as renderer:
     for fabric, scale in (("linen", 8), ("silk_crepe_de_chine", 4), ("satin_charmeuse_front", 4)):
-        scene = dict(fabric=fabric, environment=environment, size=size, background=False)
+        scene = dict(fabric=fabric, environment=environment, size=size, background=False, shadows="off")
         paper = renderer.render(method="paper", **scene)[..., :3]
         reference = renderer.render(method="reference", **scene)[..., :3]
         print(fabric, {name: round(value, 5) for name, value in compare(paper, reference).items()})

@@ -21,7 +21,7 @@ with glcloth.Renderer() as renderer:
     for fabric in fabrics:
         row = []
         for environment in environments:
-            scene = dict(fabric=fabric, environment=environment, size=size, background=False)
+            scene = dict(fabric=fabric, environment=environment, size=size, background=False, shadows="off")
             direct = renderer.render(method="direct", **scene)[..., :3]
             reference = renderer.render(method="reference", **scene)[..., :3]
             error = np.abs(luminance(direct) - luminance(reference)).mean() / luminance(reference).mean()

@@ -41,7 +41,7 @@ def main():
     with glcloth.Renderer() as renderer:
         for environment in options.environments:
             for fabric in options.fabrics.split(","):
-                scene = dict(env=environment, fabric=fabric, size=options.size, background=False)
+                scene = dict(env=environment, fabric=fabric, size=options.size, background=False, shadows="off")
                 pictures = {"reference": renderer.render(method="reference", **scene)}
                 covered = pictures["reference"][..., 3] > 0
                 tests = [(m, "reference") for m in options.methods.split(",")]
