@@ -50,6 +50,16 @@ def test_default_curtain_has_12640_triangles():
         assert CurtainParameters().with_triangles(count).triangle_count == pytest.approx(count, rel=0.03)
 
 
+def test_threads_under_rings_hold(hang):
+    """A whole pleat hangs on the thread under its ring; none stretches over 5 %."""
+    curtain = hang(heading="rings")
+    longest = []
+    for _ in range(36):
+        curtain.step(1 / 24)
+        longest.append(curtain.cloth.strain().max())
+    assert max(longest) < 0.05
+
+
 @pytest.mark.parametrize("wind", [0.5, 0.8])
 def test_eight_seconds_of_wind(hang, wind):
     """No thread stretches over 5 %, window and floor hold, pins hold, and the cloth moves; pleats do not cross."""

@@ -102,6 +102,7 @@ class CurtainSimulation:
     # Substeps per second for gusts up to 1 m/s; beyond, in proportion to the wind's pressure, so that folds
     # crushed under the heading stretch no thread by more than 5 %.
     SUBSTEP_RATE = 288
+    RINGS_FACTOR = 2  # under a ring the whole pleat hangs on one thread
 
     def __init__(self, ctx: moderngl.Context, parameters: CurtainParameters | None = None, settle: bool = True):
         """Hang the curtain and let it settle; deterministic. Raises InputError as CurtainParameters does.
@@ -176,6 +177,7 @@ class CurtainSimulation:
     def _advance(self, dt: float) -> Iterator[None]:
         m = self.parameters
         rate = self.SUBSTEP_RATE * max(1.0, abs(m.wind) * (1 + m.gustiness)) ** 2
+        rate *= self.RINGS_FACTOR if m.heading == "rings" else 1
         substeps = max(1, math.ceil(dt * rate - 1e-9))
         if substeps != self.cloth.parameters.substeps:
             self.cloth.parameters = dataclasses.replace(self.cloth.parameters, substeps=substeps)

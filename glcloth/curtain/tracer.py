@@ -136,7 +136,8 @@ class Tracer:
         self._head_count = 0
         self._layers_hit = TextureBuffer(ctx, 64, "rgba32ui")
         self._shadows = TextureBuffer(ctx, 64)
-        self._counts = ctx.buffer(reserve=16, dynamic=True)
+        self._order = TextureBuffer(ctx, 64, "r32ui")
+        self._counts = ctx.buffer(reserve=32, dynamic=True)
         self.picture = ctx.buffer(reserve=64, dynamic=True)
         self._work = ctx.buffer(reserve=64, dynamic=True)
         self._materials = TextureBuffer(ctx, 64)
@@ -292,14 +293,14 @@ class Tracer:
         scale = self.triangles.padding / PADDING
         far = 4.0 * (scale + float(np.abs(camera.eye).max())) * 3**0.5
         shader.set_uniforms(self._program("camera"), eye=camera.eye, far=far)
-        shade = self._program("shade")
-        self._set_light(shade, fabric, lighting, far)
-        shader.set_uniforms(
-            shade, offset=8 * self.triangles.padding, cutoff=settings.cutoff, spread=settings.spread,
-            background=lighting.background, has_environment=environment is not None,
-        )  # fmt: skip
-        if "environment_from_world" in shade:
-            shade["environment_from_world"].write(rotation_y(-env_rotate).T.astype("f4").tobytes())
+        for shade in self._shades(settings):
+            self._set_light(shade, fabric, lighting, far)
+            shader.set_uniforms(
+                shade, offset=8 * self.triangles.padding, cutoff=settings.cutoff, background=lighting.background,
+                has_environment=environment is not None,
+            )  # fmt: skip
+            if "environment_from_world" in shade:
+                shade["environment_from_world"].write(rotation_y(-env_rotate).T.astype("f4").tobytes())
         shadow = self._program("shadow", self.structure(settings.accelerator))
         _set_transmission(shadow, fabric)
         # From any point of the scene, both ends of which lie within `scale` of the middle along each axis, this is outside.
@@ -394,25 +395,35 @@ class Tracer:
         then.reserve(max(2 * now.count, 1) if level + 1 < settings.depth else 1)
         self._heads.extend(32 * (self._head_count + 2 * now.count))
         self._counts.write(bytes(12))
-        self._fabric.bind(self._program("shade"))
+        self._counts.write(bytes(8), offset=16)
+        self._counts.bind_to_storage_buffer(5)
         self._bind_surfaces()
         self._layers_hit.bind(8)
         self._heads.bind(RAYS_UNIT)
         now.weights.bind(15)
+        self._order.reserve(4 * now.count)
+        self._order.buffer.bind_to_storage_buffer(0)
+        self._run("sort", now.count, **now.runs)
+        on_cloth, others = (int(n) for n in np.frombuffer(self._counts.read(8, offset=16), np.uint32))
+        self._order.bind(9)
         if self._environment[1] is not None:
             self._environment[1].use(ENVIRONMENT_UNIT)
         for binding, buffer in enumerate((self._heads, then.weights, now.radiance, now.children), 1):
             buffer.buffer.bind_to_storage_buffer(binding)
-        self._counts.bind_to_storage_buffer(5)
         self._shadows.buffer.bind_to_storage_buffer(6)
-        self._run(
-            "shade", now.count, **now.runs, next_last=then.capacity - 1, level=level, last_level=settings.depth - 1,
-            generation_seed=sample * DEEPEST + level, stride=stride, layered=stride > 1,
-        )  # fmt: skip
+        runs = (on_cloth, 0), (others, on_cloth)
+        for shade, (count, first) in zip(self._shades(settings), runs, strict=True):
+            if count:
+                self._fabric.bind(shade)
+                shader.set_uniforms(
+                    shade, ray_count=count, order_first=first, next_last=then.capacity - 1, level=level,
+                    last_level=settings.depth - 1, generation_seed=sample * DEEPEST + level, stride=stride,
+                    layered=stride > 1,
+                )  # fmt: skip
+                self._dispatch(shade, count)
         cast = self._head_count
-        then.front, then.back, shadows, self._head_count = (
-            int(n) for n in np.frombuffer(self._counts.read(), np.uint32)
-        )
+        counts = np.frombuffer(self._counts.read(16), np.uint32)
+        then.front, then.back, shadows, self._head_count = (int(n) for n in counts)
         clock.append(time.perf_counter())
 
         if shadows:
@@ -453,11 +464,15 @@ class Tracer:
         self.triangles.attributes.bind(13)
         self._materials.bind(14)
 
-    def _program(self, name: str, structure=None):
-        key = name, structure.source if structure else None
+    def _shades(self, settings: TraceSettings) -> list:
+        """The programs that shade hits of cloth, and everything else."""
+        return [self._program("shade", None, {"CLOTH": cloth, "SPREAD": int(settings.spread)}) for cloth in (1, 0)]
+
+    def _program(self, name: str, structure=None, defines: dict | None = None):
+        key = name, structure.source if structure else None, *(defines or {}).values()
         if key not in self._programs:
             virtual = {"count.glsl": "passes/count_none.glsl"} | ({"accel.glsl": structure.source} if structure else {})
-            self._programs[key] = shader.compute(self.ctx, f"passes/trace_{name}.comp", None, virtual)
+            self._programs[key] = shader.compute(self.ctx, f"passes/trace_{name}.comp", defines, virtual)
         return self._programs[key]
 
     def _run(self, name: str, invocations: int, **uniforms) -> None:
@@ -473,7 +488,7 @@ class Tracer:
     def release(self) -> None:
         """Free the GPU's memory."""
         for thing in (
-            self.queries, self._heads, self._layers_hit,
+            self.queries, self._heads, self._layers_hit, self._order,
             self._shadows, self._counts, self.picture, self._work, self._materials, self._fabric,
             *self._generations, *self._programs.values(), *self._structures.values(),
         ):  # fmt: skip

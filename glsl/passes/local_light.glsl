@@ -28,10 +28,14 @@ vec3 even_light(Surface s) {
     return ambient * (s.cloth ? cloth_albedo : s.diffuse);
 }
 
-// Radiance toward omega_o (surface frame) of what the lamp sends here.
-vec3 lamp_light(Surface s, mat3 world_from_surface, vec3 omega_o, LampRay l) {
+// Radiance of what the lamp sends to a surface that is not cloth.
+vec3 lamp_light_solid(Surface s, LampRay l) {
+    return s.diffuse * l.E * (l.behind ? 0.0 : max(dot(l.direction, s.N), 0.0) / PI);
+}
+
+// Radiance toward omega_o (surface frame) of what the lamp sends to cloth.
+vec3 lamp_light_cloth(mat3 world_from_surface, vec3 omega_o, LampRay l) {
     vec3 omega_i = l.direction * world_from_surface;
-    if (!s.cloth) return s.diffuse * l.E * (l.behind ? 0.0 : max(omega_i.z, 0.0) / PI);
     if (!l.behind) return reflection_limit * l.E * f_cloth(omega_i, omega_o);
     // The functions have z = N on the light's side.
     vec3 i_t = vec3(omega_i.xy, -omega_i.z);
@@ -39,4 +43,8 @@ vec3 lamp_light(Surface s, mat3 world_from_surface, vec3 omega_o, LampRay l) {
     return l.E * absorption(i_t, o_t, tau)
            * (covered(i_t, o_t, rho) * k_t * max(i_t.z, 0.0)
               * f_yarn(i_t, o_t, roughness, eta_1, eta_2, diffuse, roughness_p));
+}
+
+vec3 lamp_light(Surface s, mat3 world_from_surface, vec3 omega_o, LampRay l) {
+    return s.cloth ? lamp_light_cloth(world_from_surface, omega_o, l) : lamp_light_solid(s, l);
 }

@@ -7,6 +7,8 @@
 // from the front, mirrored ones from the back.
 // A ray is (weight, layer): the layer belongs to a head, the origin and direction of a straight way. When `layered`, the
 // head's layers have all been found at once and a transmitted ray is its parent's next layer; otherwise it is a new head.
+// Defines: CLOTH, 1: the rays that hit cloth, 0: the others (passes/trace_sort.comp parts them). SPREAD, 1: draw the
+// transmitted direction from the lobes instead of going straight on.
 #include "trace/shared.glsl"
 #include "trace/intersect.glsl"
 #include "trace/random.glsl"
@@ -16,24 +18,23 @@
 layout(local_size_x = 64) in;
 layout(binding = 6) uniform sampler2D environment_map;
 layout(binding = 8) uniform usamplerBuffer layers;    // (t, triangle, v, w), `stride` for each head
+layout(binding = 9) uniform usamplerBuffer order;     // the rays to shade
 layout(binding = 11) uniform samplerBuffer heads;     // (origin, t_min) (direction, t_max)
 layout(binding = 15) uniform samplerBuffer weights;   // (weight, layer)
 layout(std430, binding = 1) writeonly buffer Heads { vec4 head_out[]; };
 layout(std430, binding = 2) writeonly buffer Weights { vec4 weight_out[]; };
 layout(std430, binding = 3) writeonly buffer Radiances { vec4 radiance[]; };
 layout(std430, binding = 4) writeonly buffer Children { uvec2 children[]; };
-layout(std430, binding = 5) buffer Counts { uint count[]; };  // transmitted, mirrored, shadow rays; heads
+layout(std430, binding = 5) buffer Counts { uint count[]; };  // transmitted, mirrored, shadow rays; heads; 4, 5: trace_sort.comp
 layout(std430, binding = 6) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray) (radiance, -)
 uniform int stride;
 uniform bool layered;
 uniform int ray_count;
-uniform int front_count;
-uniform int back_first;
+uniform int order_first;     // where they begin in the list
 uniform int next_last;       // the last place in the next generation's queue; mirrored rays fill it from here down
 uniform int level;
 uniform int last_level;
 uniform int generation_seed;  // of the sample and the level
-uniform bool spread;         // draw the transmitted direction from the lobes instead of going straight on
 uniform float cutoff;        // rays that count for less are not followed
 uniform float offset;        // how far off the surface new rays begin
 uniform vec3 background;
@@ -77,41 +78,45 @@ vec3 drawn_direction(vec3 omega_o, uvec3 seed, out vec3 weight) {
 }
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
-    if (i >= ray_count) return;
-    if (i >= front_count) i += back_first - front_count;
+    int place = int(gl_GlobalInvocationID.x);
+    if (place >= ray_count) return;
+    int i = int(texelFetch(order, order_first + place).x);
     vec4 weight = texelFetch(weights, i);
     int layer = floatBitsToInt(weight.a);
     int head = layer / stride;
     vec3 d = texelFetch(heads, 2 * head + 1).xyz;
     uvec4 hit = texelFetch(layers, layer);
+#if CLOTH == 0
     if (hit.y == NO_TRIANGLE) {
         radiance[i] = vec4(weight.rgb * sky(d), 0.0);
         children[i] = uvec2(NO_TRIANGLE);
         return;
     }
+#endif
     float t = uintBitsToFloat(hit.x);
     vec3 o = texelFetch(heads, 2 * head).xyz;
     vec3 p = o + t * d;
     Surface s = surface_at(int(hit.y), uintBitsToFloat(hit.zw), -d);
+    LampRay l = lamp_ray(p, s);
+    uvec2 next = uvec2(NO_TRIANGLE);
+#if CLOTH == 0
+    vec3 direct = weight.rgb * lamp_light_solid(s, l);
+#else
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = -d * world_from_surface;
-
-    LampRay l = lamp_ray(p, s);
-    vec3 direct = weight.rgb * lamp_light(s, world_from_surface, omega_o, l);
-    uvec2 next = uvec2(NO_TRIANGLE);
-    if (s.cloth && level < last_level) {
+    vec3 direct = weight.rgb * lamp_light_cloth(world_from_surface, omega_o, l);
+    if (level < last_level) {
         vec4 from = vec4(o, behind_layer(t));
         vec3 onward = d;
         vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
-        if (spread) {
-            uvec3 seed = uvec3(floatBitsToUint(d.x), floatBitsToUint(d.y), uint(generation_seed));
-            vec3 drawn = world_from_surface * drawn_direction(omega_o, seed, through);
-            if (dot(drawn, s.N_g) < 0.0) {
-                onward = drawn;
-                from = vec4(p - offset * s.N_g, 0.0);
-            }
+#if SPREAD == 1
+        uvec3 seed = uvec3(floatBitsToUint(d.x), floatBitsToUint(d.y), uint(generation_seed));
+        vec3 drawn = world_from_surface * drawn_direction(omega_o, seed, through);
+        if (dot(drawn, s.N_g) < 0.0) {
+            onward = drawn;
+            from = vec4(p - offset * s.N_g, 0.0);
         }
+#endif
         through *= weight.rgb;
         if (largest(through) > cutoff) {
             next.x = atomicAdd(count[0], 1u);
@@ -135,6 +140,7 @@ void main() {
             weight_out[next.y] = vec4(mirrored, intBitsToFloat(int(k) * stride));
         }
     }
+#endif
     radiance[i] = vec4(weight.rgb * even_light(s), 0.0);
     children[i] = next;
     if (largest(direct) > 1e-5 * cutoff) {
