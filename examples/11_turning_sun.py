@@ -26,12 +26,11 @@ turns = straight + np.linspace(-65.0, 65.0, frames)
 
 
 def pictures(renderer):
-    curtain = CurtainSimulation(renderer.ctx, CurtainParameters(wind=1.2, mass=0.1))
+    curtain = CurtainSimulation(renderer.ctx, CurtainParameters(wind=0.8, mass=0.1))
     for turn in turns:
         curtain.step(1 / rate)
-        yield renderer.render(
-            fabric="linen", mesh=curtain.mesh(), env="sky", env_rotate=turn, camera=camera, size=size, shadows="full"
-        )
+        scene = dict(mesh=curtain.mesh(), env="sky", env_rotate=turn, camera=camera, size=size, spp=4)
+        yield renderer.render(fabric="linen", shadows="full", **scene)
     curtain.release()
 
 

@@ -1,6 +1,6 @@
 """The reference with shadows against Mitsuba 3: the same cloth, camera and lights, a Lambertian in place of the fabric.
 
-python tests/measure_mitsuba.py [ENVIRONMENT...] [--mesh drape] [--size 80x60] [--cube 32] [--spp 256]
+python tests/measure_mitsuba.py [ENVIRONMENT...] [--mesh drape] [--size 80x60] [--cube 32] [--spp 256] [--flat]
 
 Needs the optional extra `check` (`pip install 'glcloth[check]'`: Mitsuba 3). Mitsuba gets the mesh as a file, its own
 camera, the sum of the Gaussians as an environment map, the suns as directional emitters, and its path tracer. It draws
@@ -101,6 +101,7 @@ def main():
     parser.add_argument("--size", default="80x60")
     parser.add_argument("--cube", type=int, default=32)
     parser.add_argument("--spp", type=int, default=256, help="samples a pixel of each half of Mitsuba's picture")
+    parser.add_argument("--flat", action="store_true", help="our rays start on the flat triangles too")
     parser.add_argument("--out", type=Path, default=Path("out/mitsuba"))
     options = parser.parse_args()
     try:
@@ -113,7 +114,7 @@ def main():
     mesh = load_mesh(options.mesh)
     print(f"{'environment, light':40}   mean %   bias %  noise %   95 %     FLIP")
     with glcloth.Renderer() as renderer, tempfile.TemporaryDirectory() as folder:
-        renderer._methods["reference"] = LambertianReference(renderer.ctx, ALBEDO)
+        renderer._methods["reference"] = LambertianReference(renderer.ctx, ALBEDO, options.flat)
         mesh_file = Path(folder) / "mesh.ply"
         save_mesh(mesh_file, mesh)
         for environment in options.environments:
