@@ -220,6 +220,20 @@ class Fabric(_Value):
                 rows.append((self.yarn[yarn].area * count, float(count)))
         return np.array(rows)
 
+    def arrays(self) -> tuple:
+        """(yarns, tangents, weights, gap, sigma) as the functions of glcloth.reference take them."""
+        yarns = [
+            {
+                "A": np.array(y.albedo),
+                "eta": y.eta,
+                "k_d": y.k_d,
+                "gamma_s": np.radians(y.gamma_s_deg),
+                "gamma_v": np.radians(y.gamma_v_deg),
+            }
+            for y in self.yarn
+        ]
+        return yarns, [tuple(t) for t in self.tangents], self.weights, self.gap, self.sigma
+
 
 def builtin_fabrics() -> list[str]:
     """Names of the fabrics that come with glcloth."""

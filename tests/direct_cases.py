@@ -17,21 +17,6 @@ KINDS = (
 )
 
 
-def arrays(fabric):
-    """(yarns, tangents, weights, gap, sigma) of a Fabric, as glcloth.reference takes them."""
-    yarns = [
-        {
-            "A": np.array(y.albedo),
-            "eta": y.eta,
-            "k_d": y.k_d,
-            "gamma_s": np.radians(y.gamma_s_deg),
-            "gamma_v": np.radians(y.gamma_v_deg),
-        }
-        for y in fabric.yarn
-    ]
-    return yarns, [tuple(t) for t in fabric.tangents], fabric.weights, fabric.gap, fabric.sigma
-
-
 def random_fabric(rng, extreme=False):
     """A fabric with up to four samples a yarn; `extreme` draws from the whole range that fabrics may have."""
     yarns = []

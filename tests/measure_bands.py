@@ -7,7 +7,7 @@ b_l = sqrt(Q_l / Q_0) with Q_l = mean of sum_m K_lm^2 / (2 l + 1), K being lumin
 import sys
 
 import numpy as np
-from direct_cases import LUMINANCE, arrays
+from direct_cases import LUMINANCE
 from scipy.spatial.transform import Rotation
 
 from glcloth import equirect, harmonics
@@ -45,7 +45,7 @@ def main():
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     directions = equirect.texel_directions(HEIGHT, 2 * HEIGHT).reshape(-1, 3)
     for name in sys.argv[2:] or builtin_fabrics():
-        cloth = arrays(load_fabric(name))
+        cloth = load_fabric(name).arrays()
         Q = sum(power_of(kernel(cloth, *frame, directions)) for frame in zip(*random_frames(count), strict=True))
         print(name, np.round(np.sqrt(Q / Q[0]), 4).tolist(), flush=True)
 

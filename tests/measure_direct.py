@@ -39,7 +39,7 @@ def main(count, first):
     with Renderer() as renderer:
         for seed in track(list(range(first, first + count)), "cases"):
             kind, fabric, omega_o, xi, k, L = direct_cases.case(seed)
-            arrays = direct_cases.arrays(fabric)
+            arrays = fabric.arrays()
             each = [
                 quadrature.L_o(omega_o, xi[i : i + 1], k[i : i + 1], L[i : i + 1], *arrays, panels=10)
                 for i in range(len(k))

@@ -34,7 +34,7 @@ with Renderer() as renderer:
             n, t = N[row, column, :3], x[row, column, :3]
             frame = np.stack([t, N[row, column, 3] * np.cross(n, t), n])
             omega_o = frame @ -(buffer.ray_from_pixel @ [column + 0.5, row + 0.5, 1.0])
-            args = G.axis @ frame.T, G.sharpness, G.amplitude, *direct_cases.arrays(load_fabric(name))
+            args = G.axis @ frame.T, G.sharpness, G.amplitude, *load_fabric(name).arrays()
             expected.append(luminance(quadrature.L_o(omega_o / np.linalg.norm(omega_o), *args, panels=10)))
         expected = np.array(expected)
         cells = []

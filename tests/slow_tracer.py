@@ -1,7 +1,6 @@
 """A slow tracer in NumPy and float64: every ray meets every triangle, and calls itself for what it causes."""
 
 import numpy as np
-from direct_cases import arrays
 
 from glcloth.curtain.energy import mean_albedo, reflection_limit
 from glcloth.reference import sheet
@@ -98,7 +97,7 @@ def trace(origin, direction, scene, fabric, lighting, depth, cutoff, weight=None
     passed = (sheet.covered(i, o, f.rho) * f.k_t * lobes * np.maximum(-i[:, 2], 0))[:, None] * sheet.absorption(
         i, o, tau
     )
-    yarns, tangents, weights, gap, sigma = arrays(fabric)
+    yarns, tangents, weights, gap, sigma = fabric.arrays()
     reflected = reflection_limit(fabric) * f_cloth(i, o, yarns, tangents, weights, gap, sigma)
     diffuse = scene["materials"][scene["material"][k]]
     wall = diffuse / np.pi * np.where(behind, 0, np.maximum(i[:, 2], 0))[:, None]

@@ -149,7 +149,7 @@ def test_fresh_cases(renderer):
     errors = {"normal": [], "high": []}
     for seed in range(5000, 5024):
         _, fabric, omega_o, xi, sharpness, L = direct_cases.case(seed)
-        expected = quadrature.L_o(omega_o, xi, sharpness, L, *direct_cases.arrays(fabric), panels=8)
+        expected = quadrature.L_o(omega_o, xi, sharpness, L, *fabric.arrays(), panels=8)
         for quality, found in errors.items():
             got = renderer.radiance(fabric, omega_o, SphericalGaussians(xi, sharpness, L), quality=quality)
             assert np.isfinite(got).all()
@@ -161,7 +161,7 @@ def test_fresh_cases(renderer):
 
 def test_brute_force_is_converged():
     """Velvet's upright tangents and sharpness 1e6: twice the points change the judge by less than 1e-4."""
-    fabric = direct_cases.arrays(load_fabric("velvet"))
+    fabric = load_fabric("velvet").arrays()
     omega_o, xi = np.array([0.28, -0.4, 0.873]), np.array([[0.3, 0.2, 0.93], [-0.8, 0.59, 0.1], [0.1, 0.9, -0.2]])
     for sharpness in (0.3, 30.0, 1e6):
         coarse, fine = (
@@ -176,7 +176,7 @@ def test_suns_are_exact(renderer):
         omega_o = directions_up(50)
         suns = Suns([[0.3, -0.5, 0.4], [-0.2, 0.9, 0.05], [0.1, 0.2, -0.3]], [[1, 2, 3], [3, 1, 1], [50, 50, 50]])
         got = renderer.radiance(fabric, omega_o, Lights(SphericalGaussians([], [], []), suns))
-        expected = cloth.L_o(omega_o, suns.direction, suns.irradiance, *direct_cases.arrays(fabric))
+        expected = cloth.L_o(omega_o, suns.direction, suns.irradiance, *fabric.arrays())
         assert np.allclose(got, expected, rtol=2e-3, atol=1e-5 * expected.max()), name
 
 

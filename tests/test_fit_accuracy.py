@@ -6,7 +6,7 @@ full resolution. No shading code of the fit is shared with it but the kernel, gl
 
 import numpy as np
 import pytest
-from direct_cases import LUMINANCE, arrays
+from direct_cases import LUMINANCE
 from measure_bands import HEIGHT, kernel, power_of, random_frames
 
 from glcloth import equirect, harmonics
@@ -57,7 +57,7 @@ def cases(request):
 
 @pytest.mark.parametrize("fabric", MEDIANS)
 def test_cloth_under_the_fit_looks_as_under_the_map(cases, fabric):
-    cloth = arrays(load_fabric(fabric))
+    cloth = load_fabric(fabric).arrays()
     directions = equirect.texel_directions(HEIGHT, 2 * HEIGHT).reshape(-1, 3)
     # Columns: luminance per map and per fit, so that one kernel serves all environments.
     flux = np.stack([f for case in cases for f in (case.map_flux, case.fit_flux)], -1) * LUMINANCE[:, None]

@@ -22,17 +22,7 @@ def diffuse_albedo(fabric: Fabric) -> np.ndarray:
     # omega_o with the density cos(theta_o) / pi, omega_i evenly over the hemisphere.
     omega_o = _direction(np.sqrt(u[:, 0]), u[:, 1])
     omega_i = _direction(u[:, 2], u[:, 3])
-    yarns = [
-        {
-            "A": np.array(y.albedo),
-            "eta": y.eta,
-            "k_d": y.k_d,
-            "gamma_s": np.radians(y.gamma_s_deg),
-            "gamma_v": np.radians(y.gamma_v_deg),
-        }
-        for y in fabric.yarn
-    ]
-    f = f_cloth(omega_i, omega_o, yarns, fabric.tangents, fabric.weights, fabric.gap, fabric.sigma)
+    f = f_cloth(omega_i, omega_o, *fabric.arrays())
     return 2 * np.pi * f.mean(0)
 
 

@@ -25,19 +25,7 @@ def hemisphere(rings: int = 16, sectors: int = 24) -> tuple[np.ndarray, np.ndarr
 def directional_albedo(fabric: Fabric, omega_o: np.ndarray) -> np.ndarray:
     """Radiance [3] toward omega_o [3] (surface frame) under unit radiance from everywhere above."""
     directions, weight = hemisphere()
-    yarns = [
-        {
-            "A": np.array(y.albedo),
-            "eta": y.eta,
-            "k_d": y.k_d,
-            "gamma_s": np.radians(y.gamma_s_deg),
-            "gamma_v": np.radians(y.gamma_v_deg),
-        }
-        for y in fabric.yarn
-    ]
-    f = f_cloth(
-        directions, np.asarray(omega_o, float)[None], yarns, fabric.tangents, fabric.weights, fabric.gap, fabric.sigma
-    )
+    f = f_cloth(directions, np.asarray(omega_o, float)[None], *fabric.arrays())
     return (f * (weight / directions[:, 2])[:, None]).sum(0)
 
 
