@@ -72,7 +72,15 @@ def test_the_map_and_its_gaussians_give_the_same_picture(renderer):
     gaussians = SphericalGaussians([[0.3, 0.5, 0.8]], [6.0], [[1.0, 2.0, 3.0]])
     v, u = np.meshgrid((np.arange(128) + 0.5) / 128, (np.arange(256) + 0.5) / 256, indexing="ij")
     environment = Environment("gaussian", gaussians.radiance(direction_from_uv(u, v)))
-    scene = dict(mesh="sphere", environment=environment, method="reference", shadows="off", cube=16, size=(24, 18), background=False)
+    scene = dict(
+        mesh="sphere",
+        environment=environment,
+        method="reference",
+        shadows="off",
+        cube=16,
+        size=(24, 18),
+        background=False,
+    )
     by_map = renderer.render(**scene, light="map", env_rotate=50.0)
     by_lobe = renderer.render(**scene, lights=gaussians.rotated(rotation_y(50.0)))
     assert np.abs(by_map - by_lobe).max() < 0.01 * by_lobe.max()

@@ -77,74 +77,86 @@ vec3 drawn_direction(vec3 omega_o, uvec3 seed, out vec3 weight) {
     return d.z < 0.0 ? d : -omega_o;
 }
 
+#include "passes/claim.glsl"
+
 void main() {
+    begin_claims();
     int place = int(gl_GlobalInvocationID.x);
-    if (place >= ray_count) return;
-    int i = int(texelFetch(order, order_first + place).x);
+    bool live = place < ray_count;
+    // Invocations behind the end shade the last ray again, and keep it to themselves.
+    int i = int(texelFetch(order, order_first + min(place, ray_count - 1)).x);
     vec4 weight = texelFetch(weights, i);
     int layer = floatBitsToInt(weight.a);
     int head = layer / stride;
     vec3 d = texelFetch(heads, 2 * head + 1).xyz;
     uvec4 hit = texelFetch(layers, layer);
-#if CLOTH == 0
-    if (hit.y == NO_TRIANGLE) {
-        radiance[i] = vec4(weight.rgb * sky(d), 0.0);
-        children[i] = uvec2(NO_TRIANGLE);
-        return;
-    }
-#endif
+    bool met = hit.y != NO_TRIANGLE;
     float t = uintBitsToFloat(hit.x);
     vec3 o = texelFetch(heads, 2 * head).xyz;
     vec3 p = o + t * d;
-    Surface s = surface_at(int(hit.y), uintBitsToFloat(hit.zw), -d);
+    Surface s = surface_at(met ? int(hit.y) : 0, uintBitsToFloat(hit.zw), -d);
     LampRay l = lamp_ray(p, s);
-    uvec2 next = uvec2(NO_TRIANGLE);
 #if CLOTH == 0
     vec3 direct = weight.rgb * lamp_light_solid(s, l);
+    vec3 seen = weight.rgb * (met ? even_light(s) : sky(d));
 #else
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = -d * world_from_surface;
     vec3 direct = weight.rgb * lamp_light_cloth(world_from_surface, omega_o, l);
-    if (level < last_level) {
-        vec4 from = vec4(o, behind_layer(t));
-        vec3 onward = d;
-        vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
+    vec3 seen = weight.rgb * even_light(s);
+    vec4 from = vec4(o, behind_layer(t));
+    vec3 onward = d;
+    vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
 #if SPREAD == 1
-        uvec3 seed = uvec3(floatBitsToUint(d.x), floatBitsToUint(d.y), uint(generation_seed));
-        vec3 drawn = world_from_surface * drawn_direction(omega_o, seed, through);
-        if (dot(drawn, s.N_g) < 0.0) {
-            onward = drawn;
-            from = vec4(p - offset * s.N_g, 0.0);
-        }
-#endif
-        through *= weight.rgb;
-        if (largest(through) > cutoff) {
-            next.x = atomicAdd(count[0], 1u);
-            int next_layer = layer + 1;
-            if (!layered) {
-                uint k = atomicAdd(count[3], 1u);
-                head_out[2u * k] = from;
-                head_out[2u * k + 1u] = vec4(onward, far);
-                next_layer = int(k) * stride;
-            }
-            weight_out[next.x] = vec4(through, intBitsToFloat(next_layer));
-        }
-        vec3 mirrored = weight.rgb * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
-        if (largest(mirrored) > cutoff) {
-            vec3 r = reflect(d, s.N);
-            if (dot(r, s.N_g) <= 0.0) r = reflect(d, s.N_g);
-            next.y = uint(next_last) - atomicAdd(count[1], 1u);
-            uint k = atomicAdd(count[3], 1u);
-            head_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
-            head_out[2u * k + 1u] = vec4(r, far);
-            weight_out[next.y] = vec4(mirrored, intBitsToFloat(int(k) * stride));
-        }
+    uvec3 seed = uvec3(floatBitsToUint(d.x), floatBitsToUint(d.y), uint(generation_seed));
+    vec3 drawn = world_from_surface * drawn_direction(omega_o, seed, through);
+    if (dot(drawn, s.N_g) < 0.0) {
+        onward = drawn;
+        from = vec4(p - offset * s.N_g, 0.0);
     }
 #endif
-    radiance[i] = vec4(weight.rgb * even_light(s), 0.0);
-    children[i] = next;
-    if (largest(direct) > 1e-5 * cutoff) {
-        uint k = atomicAdd(count[2], 1u);
+    through *= weight.rgb;
+    vec3 mirrored = weight.rgb * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
+    bool goes_on = live && level < last_level && largest(through) > cutoff;
+    bool is_mirrored = live && level < last_level && largest(mirrored) > cutoff;
+    uint onward_claim = goes_on ? claim(0) : 0u;
+    uint onward_head = goes_on && !layered ? claim(3) : 0u;
+    uint mirrored_claim = is_mirrored ? claim(1) : 0u;
+    uint mirrored_head = is_mirrored ? claim(3) : 0u;
+#endif
+    bool waits = live && met && largest(direct) > 1e-5 * cutoff;
+    uint shadow_claim = waits ? claim(2) : 0u;
+    settle_claims();
+
+    uvec2 next = uvec2(NO_TRIANGLE);
+#if CLOTH == 1
+    if (goes_on) {
+        next.x = place_of(0, onward_claim);
+        int next_layer = layer + 1;
+        if (!layered) {
+            uint k = place_of(3, onward_head);
+            head_out[2u * k] = from;
+            head_out[2u * k + 1u] = vec4(onward, far);
+            next_layer = int(k) * stride;
+        }
+        weight_out[next.x] = vec4(through, intBitsToFloat(next_layer));
+    }
+    if (is_mirrored) {
+        vec3 r = reflect(d, s.N);
+        if (dot(r, s.N_g) <= 0.0) r = reflect(d, s.N_g);
+        next.y = uint(next_last) - place_of(1, mirrored_claim);
+        uint k = place_of(3, mirrored_head);
+        head_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
+        head_out[2u * k + 1u] = vec4(r, far);
+        weight_out[next.y] = vec4(mirrored, intBitsToFloat(int(k) * stride));
+    }
+#endif
+    if (live) {
+        radiance[i] = vec4(seen, 0.0);
+        children[i] = next;
+    }
+    if (waits) {
+        uint k = place_of(2, shadow_claim);
         shadow_out[2u * k] = vec4(p + (l.behind ? -offset : offset) * s.N_g, intBitsToFloat(i));
         shadow_out[2u * k + 1u] = vec4(direct, 0.0);
     }

@@ -12,13 +12,18 @@ layout(std430, binding = 5) buffer Counts { uint count[]; };  // (4) on cloth, (
 uniform int ray_count;
 uniform int front_count;
 uniform int back_first;
+#include "passes/claim.glsl"
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
-    if (i >= ray_count) return;
+    begin_claims();
+    int place = int(gl_GlobalInvocationID.x);
+    bool live = place < ray_count;
+    int i = live ? place : 0;
     if (i >= front_count) i += back_first - front_count;
     uint triangle = texelFetch(layers, floatBitsToInt(texelFetch(weights, i).a)).y;
-    bool cloth = triangle != NO_TRIANGLE && texelFetch(attribute_data, int(triangle)).x == 0u;
-    uint k = atomicAdd(count[cloth ? 4 : 5], 1u);
-    order[cloth ? k : uint(ray_count) - 1u - k] = uint(i);
+    bool hit = triangle != NO_TRIANGLE;
+    bool cloth = hit && texelFetch(attribute_data, hit ? int(triangle) : 0).x == 0u;
+    uint k = live ? claim(cloth ? 4 : 5) : 0u;
+    settle_claims();
+    if (live) order[cloth ? place_of(4, k) : uint(ray_count) - 1u - place_of(5, k)] = uint(i);
 }
