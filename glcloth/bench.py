@@ -8,11 +8,13 @@ import statistics
 import sys
 import time
 
+import numpy as np
+
 from . import __version__
 from .context import create_context, is_software, list_devices
 from .errors import InputError
 from .files import cache_dir
-from .renderer import METHODS, Renderer
+from .renderer import METHODS, Frame, Renderer
 from .scene import Scene
 
 LIMITS = ("GL_MAX_TEXTURE_SIZE", "GL_MAX_3D_TEXTURE_SIZE", "GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS")
@@ -42,7 +44,8 @@ def machine(device: int | None = None) -> dict:
 
 
 def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = None) -> dict:
-    """Median frame times of methods on one scene, with ratios; `direct` at each quality and adaptive.
+    """Median frame times of methods on one scene, with ratios; `direct` at each quality and adaptive; `direct` and
+    `paper` also with shadows (their rest on the cloth is traced before, and told apart).
 
     Raises InputError for an unknown method or fewer than 1 frame.
     """
@@ -58,12 +61,20 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
             variants += [("direct_adaptive", {"adaptive": True}), ("direct", {"adaptive": False})]
         else:
             variants.append((name, {}))
+    # The reference would trace a ray for each of its directions at every pixel: minutes.
+    shadowed = [name for name in methods if name != "reference"] if scene.shadows == "full" else []
+    variants = [(label, {**changes, "shadows": "off"}) for label, changes in variants]
+    for label, changes in [variant for variant in variants if variant[0].split("_")[0] in shadowed]:
+        if label in ("direct", "direct_adaptive", "paper"):
+            variants.append((f"{label}_shadows", {**changes, "shadows": "full"}))
+    costs = {}
     results: dict[str, dict] = {}
     with Renderer(device) as renderer:
         for label, changes in variants:
             frame = renderer.prepare(scene.changed(method=label.split("_")[0], background=False, **changes))
             small = renderer.prepare(frame.scene.changed(size=(32, 24)), lights=frame.lights)
             renderer.draw(small)  # compiles, and makes tables
+            renderer.draw(frame)  # what a resting cloth keeps: frames of the pixels, and what they see
             renderer.ctx.finish()
             wall, cpu = [], []
             for _ in range(frames):
@@ -83,6 +94,12 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
                 "ns_per_pixel": round(1e6 * ms / max(covered, 1), 1),
                 "evaluations_per_pixel": method.evaluations_per_pixel(),
             }
+            if frame.scene.shadows == "full" and not costs:
+                costs = shadow_costs(renderer, frame, frames)
+        for label, value in results.items():
+            bare = results.get(label.removesuffix("_shadows"))
+            if bare is not value:
+                value["shadows_ratio"] = round(value["cpu_ms"] / bare["cpu_ms"], 3)
         for value in results.values():
             for other in ("paper", "reference"):
                 if other in results:
@@ -90,6 +107,7 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
         pixels = scene.size[0] * scene.size[1]
         return {
             "methods": results,
+            "shadows": costs,
             "size": list(scene.size),
             "lobes": len(frame.lights.gaussians),
             "suns": len(frame.lights.suns),
@@ -102,18 +120,60 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
         }
 
 
+def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:
+    """What the shadows of a frame cost beside its pixels: placing and tracing once a pose, and the means whenever the
+    lights turn (median of `times`)."""
+    vertices = renderer.shadows.vertices
+    mesh, structure = renderer.drawn_mesh(frame), renderer.occluders(frame.mesh)
+
+    def measured(work) -> tuple[float, float]:
+        renderer.ctx.finish()
+        begin, begin_cpu = time.perf_counter(), time.process_time()
+        work()
+        renderer.ctx.finish()
+        return 1000 * (time.perf_counter() - begin), 1000 * (time.process_time() - begin_cpu)
+
+    place = measured(lambda: vertices.start(mesh, structure, frame.mesh))
+    fixed = measured(lambda: list(vertices.steps()))
+    own = measured(lambda: list(vertices.steps(frame.lights)))
+    broad = renderer.method("direct").broad
+    broad = broad if len(broad) == len(frame.lights.gaussians) else np.zeros(len(frame.lights.gaussians))
+    means = np.median(
+        [measured(lambda: vertices.integrate(frame.lights.rotated(np.eye(3)), broad)) for _ in range(times)], 0
+    )
+    count = len(vertices.probes.points)
+    return {
+        "vertices": len(mesh.positions),
+        "rays": count * vertices.share,
+        "own_rays": count * (vertices.total(frame.lights) - vertices.share),
+        **{
+            f"{name}_{kind}": round(float(value), 1)
+            for name, pair in (("place", place), ("trace", fixed), ("trace_own", own), ("means", means))
+            for kind, value in zip(("ms", "cpu_ms"), pair, strict=True)
+        },
+    }
+
+
 def cloth_table(result: dict) -> str:
     """The result of `cloth` for a person."""
     head = f"{result['fabric']} on {result['mesh']} in {result['env']}, {result['size'][0]}x{result['size'][1]}, "
     head += f"{100 * result['coverage']:.0f} % covered, K = {result['lobes']}, median of {result['frames']}, "
     lines = [
         head + result["gl_renderer"],
-        f"{'method':16}{'ms':>10}{'CPU ms':>10}{'ns/pixel':>10}{'evaluations':>13}{'reference/':>12}",
+        f"{'method':24}{'ms':>10}{'CPU ms':>10}{'ns/pixel':>10}{'evaluations':>13}{'reference/':>12}{'shadows/':>10}",
     ]
     for name, value in result["methods"].items():
         ratio = value.get("reference_ratio")
         lines.append(
-            f"{name:16}{value['frame_ms']:10.1f}{value['cpu_ms']:10.1f}{value['ns_per_pixel']:10.0f}"
+            f"{name:24}{value['frame_ms']:10.1f}{value['cpu_ms']:10.1f}{value['ns_per_pixel']:10.0f}"
             f"{value['evaluations_per_pixel']:13.0f}{ratio if ratio is not None else '':>12}"
+            f"{value.get('shadows_ratio', ''):>10}"
+        )
+    if costs := result["shadows"]:
+        lines.append(
+            f"shadows of {costs['vertices']} vertices: once a pose {costs['place_ms']:.0f} ms to place probes, "
+            f"{costs['trace_ms']:.0f} ms ({costs['trace_cpu_ms']:.0f} CPU) for {costs['rays']} rays; at rest "
+            f"{costs['trace_own_ms']:.0f} ms ({costs['trace_own_cpu_ms']:.0f}) for {costs['own_rays']} of narrow Gaussians; "
+            f"whenever the lights turn {costs['means_ms']:.1f} ms ({costs['means_cpu_ms']:.1f})"
         )
     return "\n".join(lines)

@@ -234,7 +234,7 @@ class Renderer:
             else:
                 for _ in track(self.look(frame), "shadows: directions", shadows.total()) if what else self.look(frame):
                     pass
-        mesh = self._mesh(self._drawn_mesh(frame))
+        mesh = self._mesh(self.drawn_mesh(frame))
         passes = list(method.passes())
         jobs = [(offset, uniforms) for offset in sample_offsets(scene.spp) for uniforms in passes]
         if getattr(method, "traced", False):
@@ -297,10 +297,15 @@ class Renderer:
         if self._shadows is None:
             self._shadows = Shadows(self.ctx)
         structure = self.occluders(frame.mesh)
-        self._shadows.prepare(mode, self._drawn_mesh(frame), frame.mesh, structure, frame.lights, frame.scene.bounce)
+        self._shadows.prepare(mode, self.drawn_mesh(frame), frame.mesh, structure, frame.lights, frame.scene.bounce)
         return self._shadows
 
-    def _drawn_mesh(self, frame: Frame) -> Mesh:
+    @property
+    def shadows(self) -> Shadows | None:
+        """What the shadows keep; None before the first picture with shadows."""
+        return self._shadows
+
+    def drawn_mesh(self, frame: Frame) -> Mesh:
         """The mesh of a frame, with more vertices where its shadows need them."""
         if self._shadow_mode(frame) != "full":
             return frame.mesh

@@ -24,7 +24,7 @@ def world_directions(count):
 
 def flat_weight(cos_theta):
     """How much a direction counts by its cosine: cloth's f cos(theta) is nearly flat in it, and stops at the horizon.   [own]"""
-    return np.clip(20.0 * np.asarray(cos_theta, float), 0.0, 1.0)
+    return np.clip(8.0 * np.asarray(cos_theta, float), 0.0, 1.0)
 
 
 LEAST = 1e-4  # what a Gaussian's tail below counts as nothing

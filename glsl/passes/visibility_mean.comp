@@ -17,7 +17,7 @@ uniform ivec4 last;      // the one after its last
 void main() {
     int i = first_item + int(gl_GlobalInvocationID.x);
     if (i >= last_item) return;
-    vec3 N = 20.0 * texelFetch(probe_data, 2 * i + 1).xyz;
+    vec3 N = 8.0 * texelFetch(probe_data, 2 * i + 1).xyz;
     ivec4 begin = first, end = last;
     int at = 8 * i * group_count + 4 * group;
     int n = 0;
