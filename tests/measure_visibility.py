@@ -71,7 +71,7 @@ def main():
     with glcloth.Renderer() as renderer:
         queries = RayQueries(renderer.ctx)
         for environment in options.environments:
-            base = dict(env=environment, size=options.size, background=False)
+            base = dict(env=environment, size=options.size, background=False, shadows="off")
             frame = renderer.prepare(**base)
             renderer.draw(frame)
             buffer, (width, height) = renderer.gbuffer, frame.scene.size

@@ -64,7 +64,7 @@ def from_bands(omega, low, middle, top):
 def broad_sums(bits, N, x, handedness, directions, light):
     """Weights [P, 2, 2, 9] of what probes see of the broad light and of all of it, front and back: low, middle, top.   [own]
 
-    w_j = light_j flat_weight(+-D_j . N) (share of the part)^2: squares, so that a mean is of the middle of its part.
+    w_j = light_j min(8 |D_j . N|, 1) (share of the part)^2: squares, so that a mean is of the middle of its part.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ def broad_sums(bits, N, x, handedness, directions, light):
         omega = np.stack([np.asarray(axis, float) @ np.asarray(directions, float).T for axis in (x, y, sign * N)], -1)
         bands, quadrants = band_shares(omega[..., 2]), quadrant_shares(omega)
         shares = np.concatenate([bands[..., :1] * quadrants, bands[..., 1:2] * quadrants, bands[..., 2:]], -1)
-        w = (light * flat_weight(omega[..., 2]))[..., None] * shares**2
+        w = (light * np.clip(8.0 * omega[..., 2], 0.0, 1.0))[..., None] * shares**2
         sums.append(np.stack([(w * bits[..., None]).sum(1), w.sum(1)], 1))
     return np.stack(sums, 1)
 

@@ -37,6 +37,7 @@ void main() {
         do {
             vec4 light = texelFetch(light_data, first_direction + d);
             vec3 omega = vec3(dot(light.xyz, x.xyz), dot(light.xyz, y), dot(light.xyz, side == 0 ? N : -N));
+            // The low band tells the horizon apart: here less of it counts than in the means of the Gaussians.
             float w = light.w * clamp(8.0 * omega.z, 0.0, 1.0);
             float seen = float(texelFetch(bit_data, (d >> 5) * probe_count + i).x >> uint(d & 31) & 1u);
             vec3 bands = band_shares(omega.z);
