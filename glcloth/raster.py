@@ -14,6 +14,7 @@ from .mesh import Mesh
 
 FRAME_UNITS = (3, 4)  # texture units of frame_N and frame_x, as passes/gbuffer.glsl declares them
 POINT_UNITS = (6, 7)  # of frame_p and frame_b, as passes/gbuffer_point.glsl declares them; of the mesh in surface.frag
+NUMBER_UNIT = 5  # of the triangles' numbers in surface.frag
 VERTEX_TEXELS = 3  # position, normal, tangent
 
 
@@ -28,10 +29,27 @@ class MeshBuffers:
         self.vertices = TextureBuffer(ctx, vertices)
         self.indices = TextureBuffer(ctx, mesh.triangles.astype("i4"), "r32i")
         self.low, self.high = mesh.positions.min(0), mesh.positions.max(0)
+        self.numbers = TextureBuffer(ctx, np.arange(len(mesh.triangles), dtype="i4"), "r32i")
+        self.band_indices = TextureBuffer(ctx, 16, "r32i")
+        self.band_numbers = TextureBuffer(ctx, 16, "r32i")
+
+    def heights(self, clip_from_world: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Where each triangle [T] begins and ends in the picture, from -1 below to 1 above; without end behind the eye."""
+        points = self.mesh.positions @ clip_from_world[:, :3].T + clip_from_world[:, 3]
+        before = points[:, 3] > 1e-6 * np.abs(points[:, 3]).max()
+        y = points[:, 1] / np.where(before, points[:, 3], 1.0)
+        corners = self.mesh.triangles
+        low, high = (np.where(before, y, end)[corners] for end in (-np.inf, np.inf))
+        return low.min(1), high.max(1)
+
+    def choose(self, numbers: np.ndarray) -> None:
+        """Put triangles [N] into the buffers of a band."""
+        self.band_numbers.write(numbers.astype("i4"))
+        self.band_indices.write(self.mesh.triangles[numbers].astype("i4"))
 
     def release(self) -> None:
-        self.vertices.release()
-        self.indices.release()
+        for thing in (self.vertices, self.indices, self.numbers, self.band_indices, self.band_numbers):
+            thing.release()
 
 
 class GBuffer:
@@ -68,30 +86,46 @@ class GBuffer:
         if self._drawn == (mesh, camera, offset):
             return
         self._drawn = None
-        for first in range(0, self.size[1], rows):
-            self._draw_band(mesh, camera, offset, (0, first, self.size[0], min(rows, self.size[1] - first)))
-            yield
-        self._drawn = mesh, camera, offset
-
-    def _draw_band(self, mesh: MeshBuffers, camera: Camera, offset, band: tuple[int, int, int, int]) -> None:
         near, far = camera.depth_range(mesh.low, mesh.high)
         clip = camera.clip_from_world(self.size, near, far, offset)
         self.ray_from_pixel = camera.ray_from_pixel(self.size, offset)
-        self.program["clip_from_world"].write(clip.T.astype("f4").tobytes())
-        self.program["eye"].value = camera.eye
-        layout = [(mesh.vertices.buffer, "3f 1x4 3f 1x4 4f", "in_position", "in_normal", "in_tangent")]
-        array = self.ctx.vertex_array(self.program, layout, mesh.indices.buffer, 4)
-        mesh.vertices.bind(POINT_UNITS[0])
-        mesh.indices.bind(POINT_UNITS[1])
-        whole = band[3] == self.size[1]
-        self.frames.scissor = None if whole else band
+        height = self.size[1]
+        if rows < height:
+            low, high = mesh.heights(clip)
+        for first in range(0, height, rows):
+            numbers = None
+            if rows < height:
+                # A pixel more to either side, for the rasteriser rounds as it likes.
+                below, above = (2.0 * (y / height) - 1.0 for y in (first - 1, first + rows + 1))
+                numbers = np.flatnonzero((high >= below) & (low <= above))
+            band = (0, first, self.size[0], min(rows, height - first))
+            self._draw_band(mesh, clip, camera.eye, band, numbers)
+            yield
+        self._drawn = mesh, camera, offset
+
+    def _draw_band(self, mesh: MeshBuffers, clip, eye, band: tuple[int, int, int, int], numbers) -> None:
+        """Draw all triangles, or those of `numbers`, into a band of the frames."""
+        self.frames.scissor = None if numbers is None else band
         self.frames.use()
         self.frames.viewport = (0, 0, *self.size)
-        self.frames.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=None if whole else band)
+        self.frames.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=None if numbers is None else band)
+        if numbers is not None:
+            if not len(numbers):
+                self.frames.scissor = None
+                return
+            mesh.choose(numbers)
+        self.program["clip_from_world"].write(clip.T.astype("f4").tobytes())
+        self.program["eye"].value = eye
+        layout = [(mesh.vertices.buffer, "3f 1x4 3f 1x4 4f", "in_position", "in_normal", "in_tangent")]
+        indices = mesh.indices if numbers is None else mesh.band_indices
+        array = self.ctx.vertex_array(self.program, layout, indices.buffer, 4)
+        mesh.vertices.bind(POINT_UNITS[0])
+        mesh.indices.bind(POINT_UNITS[1])
+        (mesh.numbers if numbers is None else mesh.band_numbers).bind(NUMBER_UNIT)
         self.ctx.enable_only(moderngl.DEPTH_TEST)
         self.ctx.depth_func = "<"
         self.frames.depth_mask = True
-        array.render()
+        array.render(vertices=3 * len(mesh.mesh.triangles if numbers is None else numbers))
         array.release()
         self.frames.scissor = None
 

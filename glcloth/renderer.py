@@ -41,7 +41,7 @@ OCCLUDER_STRUCTURE = "lbvh"  # any-hit rays of the built-in cloth: as fast as th
 # Numbers of tangents and widths of lobes that need a program each (cloth/direct.py, VARIANTS). More than 8 tangents take
 # seconds to compile and are rare: those wait for it. The first comes twice: llvmpipe compiles the very first one anew.
 WARM_UP = ((4, 20.0), (4, 4.0), (5, 4.0), (8, 4.0), (4, 20.0))
-BAND_PIXELS = 150_000  # of the G-buffer at a time, where a caller has other things to do in between
+BAND_PIXELS = 120_000  # of the G-buffer at a time, where a caller has other things to do in between
 KEPT_SIZES = 3  # G-buffers that stay when the size of the picture changes
 
 

@@ -10,6 +10,7 @@ flat in float handedness;
 uniform vec3 eye;
 layout(binding = 6) uniform samplerBuffer vertex_data;   // three texels a vertex: position, normal, tangent
 layout(binding = 7) uniform isamplerBuffer corner_index;  // three a triangle
+layout(binding = 5) uniform isamplerBuffer triangle_number;  // of each that is drawn: all, or those of a band
 layout(location = 0) out vec4 frame_N;  // N, and 1 or -1: the handedness of (x, y, N); 0 where nothing is drawn
 layout(location = 1) out vec4 frame_x;  // x, and the side of the sheet that is seen: 1 front, -1 back
 layout(location = 2) out vec4 frame_p;  // where rays start, world; the number of the triangle
@@ -29,8 +30,9 @@ void main() {
     frame_N = vec4(N, handedness * side);
     frame_x = vec4(orthogonal_part(tangent, N), side);
 
-    ivec3 corners = ivec3(texelFetch(corner_index, 3 * gl_PrimitiveID).x,
-        texelFetch(corner_index, 3 * gl_PrimitiveID + 1).x, texelFetch(corner_index, 3 * gl_PrimitiveID + 2).x);
+    int number = texelFetch(triangle_number, gl_PrimitiveID).x;
+    ivec3 corners = ivec3(texelFetch(corner_index, 3 * number).x, texelFetch(corner_index, 3 * number + 1).x,
+        texelFetch(corner_index, 3 * number + 2).x);
     vec3 a = texelFetch(vertex_data, 3 * corners.x).xyz, n_a = side * texelFetch(vertex_data, 3 * corners.x + 1).xyz;
     vec3 b = texelFetch(vertex_data, 3 * corners.y).xyz, n_b = side * texelFetch(vertex_data, 3 * corners.y + 1).xyz;
     vec3 c = texelFetch(vertex_data, 3 * corners.z).xyz, n_c = side * texelFetch(vertex_data, 3 * corners.z + 1).xyz;
@@ -39,6 +41,6 @@ void main() {
     vec3 across = side * cross(b - a, c - a);
     float area_2 = length(across);
     vec3 step_off = area_2 > 0.0 ? OFFSET * inversesqrt(area_2) * across : vec3(0.0);
-    frame_p = vec4(lifted(x, weights, a, b, c, n_a, n_b, n_c) + step_off, float(gl_PrimitiveID));
+    frame_p = vec4(lifted(x, weights, a, b, c, n_a, n_b, n_c) + step_off, float(number));
     frame_b = weights.yz;
 }
