@@ -300,6 +300,13 @@ class Renderer:
         self._shadows.prepare(mode, self.drawn_mesh(frame), frame.mesh, structure, frame.lights, frame.scene.bounce)
         return self._shadows
 
+    def follow_poses(self, follow: bool = True) -> None:
+        """Take meshes with the same triangles for poses of one cloth that moves: of what its vertices see a quarter is
+        traced anew at each, the rest is that of the last three. A cut, a jump of the cloth, is noticed."""
+        if self._shadows is None:
+            self._shadows = Shadows(self.ctx)
+        self._shadows.follow_poses(follow)
+
     @property
     def shadows(self) -> Shadows | None:
         """What the shadows keep; None before the first picture with shadows."""

@@ -419,3 +419,42 @@ def test_adaptive_rate_sees_the_shadows(renderer):
     full, adaptive = (renderer.render(adaptive=mode, **scene)[..., :3] for mode in (False, True))
     assert np.abs(full - adaptive).mean() < 0.005 * full.mean()
     assert np.abs(full - adaptive).max() < 0.1 * full.max()
+
+
+def test_cloth_that_moves_is_followed_and_a_cut_is_seen(renderer):
+    """The share of the directions that is traced at a pose is the present one's; at rest all are after four."""
+    rest = wavy(40)
+
+    def pose(i):
+        positions = (
+            rest.positions.astype(float) + [0.01 * i, 0, 0] + 0.004 * i * np.cos(3 * rest.positions[:, [2, 0, 1]])
+        )
+        return build_mesh("pose", positions, rest.triangles, rest.uv)
+
+    scene = dict(fabric="linen", lights=Lights(GAUSSIANS), size=(64, 48), background=False, camera=VIEW)
+    last = pose(6)
+    truth = renderer.render(mesh=last, **scene)
+    stale = renderer.render(mesh=pose(0), **scene)
+    renderer.follow_poses()
+    try:
+        for i in range(6):
+            renderer.render(mesh=pose(i), **scene)
+        moving = renderer.render(mesh=last, **scene)
+        vertices = renderer.shadows.vertices
+        assert vertices.classes == 8 and vertices.complete
+        bits = np.concatenate(vertices.bits())
+        for _ in range(4):  # the same pose, again and again
+            last = build_mesh("pose", last.positions, last.triangles, last.uv)
+            renderer.render(mesh=last, **scene)
+        assert 0 < (np.concatenate(vertices.bits()) != bits).mean() < 0.05
+        still = np.concatenate(vertices.bits())
+        far = build_mesh("far", last.positions + 5.0, last.triangles, last.uv)
+        probes = vertices.probes
+        renderer.render(mesh=far, **scene)
+        assert vertices.probes is not probes and vertices.complete
+        far_bits = np.concatenate(vertices.bits())
+        assert (far_bits != still).mean() < 0.01  # a moved cloth sees itself as before
+    finally:
+        renderer.follow_poses(False)
+    error = np.abs(moving - truth).mean() / truth.mean()
+    assert error < 0.03 and np.abs(stale - truth).mean() > 2 * error * truth.mean()

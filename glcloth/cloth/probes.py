@@ -53,6 +53,9 @@ def subdivided(mesh: Mesh, longest: float = LONGEST_EDGE, most: int = MOST_VERTI
     """The same surface with every triangle cut into four until no edge is longer than `longest` radii or there would be
     more than `most` vertices; the mesh itself where it is fine enough."""
     limit = longest * mesh.radius
+    at = mesh.positions[mesh.triangles]
+    if np.linalg.norm(at - np.roll(at, 1, 1), axis=2).max(initial=0.0) <= limit:
+        return mesh
     while True:
         corners, edges = mesh.triangles, _edges(mesh.triangles)
         a, b = edges.T

@@ -21,6 +21,8 @@ SEEN_UNIT = 2
 SEEN_ALL, SEEN_PIXELS = "passes/seen_all.glsl", "passes/seen_pixels.glsl"
 TILE = 8
 FURNACE_VIEWS, FURNACE_LIGHTS = 64, 256
+MOVING_CLASSES = 8  # of probes on cloth that moves: each traces a quarter of its 32 directions at every pose
+CUT = 2.0  # mean edges by which the vertices may move in the mean from pose to pose
 
 
 class Shadows:
@@ -32,11 +34,17 @@ class Shadows:
         self._programs: dict[str, object] = {}
         self._sun_data = TextureBuffer(ctx, 16)
         self._mesh: Mesh | None = None
+        self.follow = False
         self._structure = self._lights = None
         self._mode: Mode = "off"
         self._filled: dict[GBuffer, tuple] = {}
         self._furnace: tuple | None = None  # fabric, rho
         self._points: tuple | None = None
+
+    def follow_poses(self, follow: bool) -> None:
+        """Take the next mesh with the same triangles for the next pose, or not."""
+        if follow != self.follow:
+            self.follow, self._mesh = follow, None
 
     # -- what is seen ------------------------------------------------------------------------------------------------
 
@@ -45,17 +53,22 @@ class Shadows:
         what hides light."""
         self._mode, self._structure, self._lights, self._bounce = mode, structure, lights, bounce
         if mode == "full" and self._mesh is not mesh:
-            self.vertices.start(mesh, structure, original)
+            if self.follow and self._mesh is not None and _is_next_pose(self._mesh, mesh):
+                self.vertices.move(mesh, structure)
+            else:  # a cut fills at once
+                classes = MOVING_CLASSES if self.follow else None
+                self.vertices.start(mesh, structure, original, classes)
             self._mesh = mesh
 
     def steps(self, count: int = 32) -> Iterator[int]:
         """Trace what the vertices still lack, so many directions at a time."""
         if self._mode == "full":
-            yield from self.vertices.steps(self._lights, count)
+            # Directions of narrow Gaussians would all have to be traced at every pose.
+            yield from self.vertices.steps(None if self.follow else self._lights, count)
 
     def total(self) -> int:
         """How many steps of 32 directions there are in all, about."""
-        return -(-self.vertices.total(self._lights) // 32) if self._mode == "full" else 0
+        return -(-self.vertices.total(None if self.follow else self._lights) // 32) if self._mode == "full" else 0
 
     def hurry(self) -> None:
         """Trace only as much as a first impression needs."""
@@ -148,6 +161,17 @@ class Shadows:
     def _run(self, program, buffer: GBuffer, **uniforms) -> None:
         shader.set_uniforms(program, **uniforms)
         program.run(-(-buffer.size[0] // TILE), -(-buffer.size[1] // TILE))
+
+
+def _is_next_pose(before: Mesh, mesh: Mesh) -> bool:
+    """Whether a mesh is the one before, moved a little."""
+    if before.triangles.shape != mesh.triangles.shape or before.positions.shape != mesh.positions.shape:
+        return False
+    if before.triangles is not mesh.triangles and not np.array_equal(before.triangles, mesh.triangles):
+        return False
+    a, b = mesh.positions[mesh.triangles[:, 0]], mesh.positions[mesh.triangles[:, 1]]
+    edge = np.linalg.norm(a - b, axis=1).mean()
+    return bool(np.linalg.norm(mesh.positions - before.positions, axis=1).mean() < CUT * edge)
 
 
 def _even_directions(count: int) -> np.ndarray:

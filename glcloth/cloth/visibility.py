@@ -69,7 +69,7 @@ class VertexVisibility:
     def start_at(self, probes: Probes, structure) -> None:
         """As `start`, from given probes."""
         self.probes, self._structure = probes, structure
-        self.done, self._lights, self._sharp, self._state = 0, None, None, None
+        self.done, self._turn, self._lights, self._sharp, self._state = 0, 0, None, None, None
         self._upload_probes(self._offset_between_layers())
         count = len(probes.points)
         self._bits.write(np.zeros((self.share // WORD, count), "u4"))
@@ -80,17 +80,14 @@ class VertexVisibility:
 
     def move(self, mesh: Mesh, structure, count: int = 8) -> None:
         """Follow the mesh to a new pose: what was seen stays, but for `count` of each probe's directions, which are
-        traced again; the oldest first. All of them, if not all were traced before."""
+        traced again; the oldest first."""
         self.probes, self._structure = self.probes.moved(mesh), structure
         self._upload_probes(self.probes.offset)
         self._sharp = None
-        if not self.complete:
-            for _ in self.steps():
-                pass
-            self._turn = 0
-        else:
-            self._trace(self._turn, self._turn + count)
-            self._turn = (self._turn + count) % self.share
+        for _ in self.steps():
+            pass
+        self._trace(self._turn, self._turn + count)
+        self._turn = (self._turn + count) % self.share
         self._state = None
 
     def _upload_probes(self, offset: np.ndarray) -> None:
