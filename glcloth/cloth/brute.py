@@ -20,6 +20,7 @@ CHUNK = 256
 TRACED_CHUNK = 64  # the steps and triangles of 64 rays count too
 DIRECTION_UNIT = 8
 TRACED_UNITS = {"directions": 10, "irradiance": 11, "corners": 12, "vertices": 13}
+LIT_CHUNK = 2  # directions that light the vertices at a time: a caller in between waits for no more
 BOUNCE_CUBE = 16  # edge of the cube map that lights the vertices for a bounce: irradiance is smooth
 BOUNCE_OFFSET = 0.05  # of the mean edge: how far from a vertex its rays start
 
@@ -146,7 +147,9 @@ class Reference:
         bright = light[1].any(axis=1)
         count = self._upload(self._vertex_lights, *(column[bright] for column in light))
         self._irradiance.write(np.zeros((len(mesh.mesh.positions), 2, 4), "f4"))
-        jobs = [partial(self._light_vertices, first, count) for first in range(0, count, TRACED_CHUNK)]
+        corners = mesh.mesh.positions[mesh.mesh.triangles].astype(float)
+        self._edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
+        jobs = [partial(self._light_vertices, first, count) for first in range(0, count, LIT_CHUNK)]
 
         def finished() -> None:
             self._lit = key
@@ -166,14 +169,12 @@ class Reference:
         self._vertex_lights.bind(TRACED_UNITS["directions"])
         self._mesh.vertices.bind(TRACED_UNITS["vertices"])
         self._irradiance.buffer.bind_to_storage_buffer(0)
-        corners = mesh.positions[mesh.triangles].astype(float)
-        edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
         shader.set_uniforms(
             program,
             vertex_count=len(mesh.positions),
             first_direction=first,
-            direction_count=min(TRACED_CHUNK, count - first),
-            offset=BOUNCE_OFFSET * edge,
+            direction_count=min(LIT_CHUNK, count - first),
+            offset=BOUNCE_OFFSET * self._edge,
         )
         program.run(-(-len(mesh.positions) // 64))
         self.ctx.memory_barrier()

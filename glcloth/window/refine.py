@@ -214,10 +214,11 @@ class Refiner:
         key = _cost_key(frame, scale)
         whole = 0
         last = time.perf_counter()
+        guess = BUDGET if frame.scene.method == "reference" else BUDGET / 16
         wanted = [0]  # rows of the step under way; 0: it shades none
 
         def rows() -> int:
-            pace = self._seconds_per_row.get(key, BUDGET / 16)
+            pace = self._seconds_per_row.get(key, guess)
             left = max(self._until - time.perf_counter(), 0.25 * BUDGET)
             wanted[0] = max(1, int(left / pace))
             return wanted[0]
@@ -320,4 +321,5 @@ def _preview(frame: Frame, scale: float, adaptive: bool) -> Frame:
 
 
 def _cost_key(frame: Frame, scale: float = 1.0) -> tuple:
-    return frame.scene.method, frame.scene.quality, frame.scene.adaptive, frame.scene.size[0], scale
+    scene = frame.scene
+    return scene.method, scene.quality, scene.adaptive, scene.shadows, scene.light, scene.size[0], scale
