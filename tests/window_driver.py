@@ -214,10 +214,13 @@ def rates(seconds=4.0):
     settle(app)
     out = {}
 
-    def hear(name, act=lambda k: None):
+    def wait(_):
+        """Only look on while a picture is refined."""
+
+    def hear(name, act=wait):
         gaps, pictures = [], app.drawer.sides[0].version
         begin = last = time.perf_counter()
-        while last - begin < seconds:
+        while last - begin < seconds and (app.busy or act is not wait):
             act(len(gaps))
             glfw.post_empty_event()
             app.step()
@@ -228,19 +231,21 @@ def rates(seconds=4.0):
         out[name] = {
             "hz": round(len(g) / (last - begin), 1), "median_ms": round(float(np.median(g)), 1),
             "p95_ms": round(float(np.percentile(g, 95)), 1), "over_33_ms": round(float((g > 33.4).mean()), 3),
-            "pictures_per_s": round((app.drawer.sides[0].version - pictures) / seconds, 1),
+            "pictures_per_s": round((app.drawer.sides[0].version - pictures) / (last - begin), 1),
         }  # fmt: skip
 
     hear("orbit", lambda k: app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0)))
     hear("slider", lambda k: app.session.edit_yarn(0, "s", gamma_s_deg=5.0 + 0.01 * (k % 500)))
     app.session.edit_scene(method="reference")
+    app.step()
     hear("reference refines")
-    app.session.edit_scene(method="direct", shadows="full")
+    app.session.edit_scene(method="direct")
     settle(app, 60.0)
-    hear("orbit, shadows full", lambda k: app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0)))
+    out["latency"] = latency(app)
     app.session.edit_scene(shadows="off")
     settle(app)
-    out["latency"] = latency(app)
+    hear("orbit, no shadows", lambda k: app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0)))
+    out["latency, no shadows"] = latency(app)
     app.session.choose_mode("curtain")
     settle(app, 60.0)
     app.toggle_play()

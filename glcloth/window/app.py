@@ -180,7 +180,7 @@ class App:
         elif imgui.get_io().want_text_input:
             glfw.wait_events_timeout(0.4)  # the caret blinks
             self._awake = max(self._awake, 1)
-        elif self._warming is not None:
+        elif self._warming is not None and not self.session.in_curtain:
             glfw.wait_events_timeout(QUIET)
             if time.perf_counter() - self._last_heard > QUIET and next(self._warming, self) is self:
                 self._warming, self._warm = None, True
