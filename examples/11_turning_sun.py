@@ -27,6 +27,7 @@ turns = straight + np.linspace(-65.0, 65.0, frames)
 
 def pictures(renderer):
     curtain = CurtainSimulation(renderer.ctx, CurtainParameters(wind=0.8, mass=0.1))
+    renderer.follow_poses()
     for turn in turns:
         curtain.step(1 / rate)
         scene = dict(mesh=curtain.mesh(), env="sky", env_rotate=turn, camera=camera, size=size, spp=4)
