@@ -22,10 +22,14 @@ class MeshBuffers:
     """One mesh on the GPU, to be drawn and to be fetched from: `vertices` has VERTEX_TEXELS for each, `indices` three
     texels a triangle."""
 
-    def __init__(self, ctx: moderngl.Context, mesh: Mesh):
+    def __init__(self, ctx: moderngl.Context, mesh: Mesh, lift: np.ndarray | None = None):
+        """`lift` [V, 2]: how far in front and behind the surface that hides light lies below the curved one, where it is
+        coarser than the mesh."""
         self.mesh = mesh
         vertices = np.zeros((len(mesh.positions), VERTEX_TEXELS, 4), "f4")
         vertices[:, 0, :3], vertices[:, 1, :3], vertices[:, 2] = mesh.positions, mesh.normals, mesh.tangents
+        if lift is not None:
+            vertices[:, 0, 3], vertices[:, 1, 3] = np.asarray(lift).T
         self.vertices = TextureBuffer(ctx, vertices)
         self.indices = TextureBuffer(ctx, mesh.triangles.astype("i4"), "r32i")
         self.low, self.high = mesh.positions.min(0), mesh.positions.max(0)

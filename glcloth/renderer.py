@@ -18,7 +18,7 @@ from .cloth.adaptive import AdaptiveRate
 from .cloth.brute import Reference
 from .cloth.direct import Direct
 from .cloth.paper import Paper
-from .cloth.probes import subdivided
+from .cloth.probes import lift_off_facets, subdivided
 from .cloth.scene_buffers import SceneBuffers
 from .cloth.settings import MethodName, Quality, Settings
 from .cloth.settings import Shadows as ShadowMode
@@ -234,7 +234,7 @@ class Renderer:
             else:
                 for _ in track(self.look(frame), "shadows: directions", shadows.total()) if what else self.look(frame):
                     pass
-        mesh = self._mesh(self.drawn_mesh(frame))
+        mesh = self._mesh(self.drawn_mesh(frame), frame.mesh)
         passes = list(method.passes())
         jobs = [(offset, uniforms) for offset in sample_offsets(scene.spp) for uniforms in passes]
         if getattr(method, "traced", False):
@@ -483,12 +483,13 @@ class Renderer:
         self._gbuffers[size] = self._gbuffer = buffer
         return buffer
 
-    def _mesh(self, mesh: Mesh) -> MeshBuffers:
+    def _mesh(self, mesh: Mesh, original: Mesh | None = None) -> MeshBuffers:
         key = id(mesh)
         if key not in self._meshes:
             for buffers in self._meshes.values():
                 buffers.release()
-            self._meshes = {key: MeshBuffers(self.ctx, mesh)}
+            lift = lift_off_facets(mesh, original) if original is not None and original is not mesh else None
+            self._meshes = {key: MeshBuffers(self.ctx, mesh, lift)}
         return self._meshes[key]
 
     def occluders(self, mesh: Mesh):

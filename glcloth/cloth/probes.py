@@ -103,7 +103,7 @@ def place_probes(
     degree = np.bincount(a, minlength=count) + np.bincount(b, minlength=count)
     offset = np.repeat((OFFSET * total / np.maximum(degree, 1))[:, None], 2, 1)
     if original is not None and original is not mesh:
-        offset += _lift(mesh, original)
+        offset += lift_off_facets(mesh, original)
     graph = sparse.coo_array((np.ones(len(edges)), (a, b)), shape=(count, count)).tocsr()
     graph = _neighbours(graph + graph.T)
     chosen = np.arange(count)
@@ -192,7 +192,7 @@ def _edges(triangles: np.ndarray) -> np.ndarray:
     return np.unique(edges, axis=0)
 
 
-def _lift(mesh: Mesh, original: Mesh) -> np.ndarray:
+def lift_off_facets(mesh: Mesh, original: Mesh) -> np.ndarray:
     """How far [V, 2] the curved surface lies before the flat triangles, front and back.   [Hanika 2021]"""
     levels = round(np.log2(len(mesh.triangles) / len(original.triangles)) / 2)
     corners = original.triangles[np.arange(len(mesh.triangles)) // 4**levels]

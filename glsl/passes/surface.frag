@@ -8,7 +8,7 @@ in vec3 normal;
 in vec3 tangent;
 flat in float handedness;
 uniform vec3 eye;
-layout(binding = 6) uniform samplerBuffer vertex_data;   // three texels a vertex: position, normal, tangent
+layout(binding = 6) uniform samplerBuffer vertex_data;   // three texels a vertex: position and normal, each with a lift; tangent
 layout(binding = 7) uniform isamplerBuffer corner_index;  // three a triangle
 layout(binding = 5) uniform isamplerBuffer triangle_number;  // of each that is drawn: all, or those of a band
 layout(location = 0) out vec4 frame_N;  // N, and 1 or -1: the handedness of (x, y, N); 0 where nothing is drawn
@@ -33,14 +33,19 @@ void main() {
     int number = texelFetch(triangle_number, gl_PrimitiveID).x;
     ivec3 corners = ivec3(texelFetch(corner_index, 3 * number).x, texelFetch(corner_index, 3 * number + 1).x,
         texelFetch(corner_index, 3 * number + 2).x);
-    vec3 a = texelFetch(vertex_data, 3 * corners.x).xyz, n_a = side * texelFetch(vertex_data, 3 * corners.x + 1).xyz;
-    vec3 b = texelFetch(vertex_data, 3 * corners.y).xyz, n_b = side * texelFetch(vertex_data, 3 * corners.y + 1).xyz;
-    vec3 c = texelFetch(vertex_data, 3 * corners.z).xyz, n_c = side * texelFetch(vertex_data, 3 * corners.z + 1).xyz;
+    vec4 p_a = texelFetch(vertex_data, 3 * corners.x), q_a = texelFetch(vertex_data, 3 * corners.x + 1);
+    vec4 p_b = texelFetch(vertex_data, 3 * corners.y), q_b = texelFetch(vertex_data, 3 * corners.y + 1);
+    vec4 p_c = texelFetch(vertex_data, 3 * corners.z), q_c = texelFetch(vertex_data, 3 * corners.z + 1);
+    vec3 a = p_a.xyz, b = p_b.xyz, c = p_c.xyz;
+    vec3 n_a = side * q_a.xyz, n_b = side * q_b.xyz, n_c = side * q_c.xyz;
     vec3 weights = barycentric(position, a, b, c);
     vec3 x = weights.x * a + weights.y * b + weights.z * c;
     vec3 across = side * cross(b - a, c - a);
     float area_2 = length(across);
     vec3 step_off = area_2 > 0.0 ? OFFSET * inversesqrt(area_2) * across : vec3(0.0);
+    // What hides light may be coarser than what is drawn: its facets lie below the curved surface by more than these do.
+    vec3 lift = side > 0.0 ? vec3(p_a.w, p_b.w, p_c.w) : vec3(q_a.w, q_b.w, q_c.w);
+    step_off += dot(weights, lift) * normalize(weights.x * n_a + weights.y * n_b + weights.z * n_c);
     frame_p = vec4(lifted(x, weights, a, b, c, n_a, n_b, n_c) + step_off, float(number));
     frame_b = weights.yz;
 }
