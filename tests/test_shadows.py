@@ -462,8 +462,9 @@ def test_cloth_that_moves_is_followed_and_a_cut_is_seen(renderer):
 
 def test_suns_do_not_draw_the_facets_of_a_coarse_ball(renderer):
     """The horizon of the sun is that of the smooth normals: with shadows the picture is the one without."""
-    x, triangles, _, _ = shapes.sphere(1.0, 10) if hasattr(shapes, "sphere") else (None,) * 4
-    mesh = load_mesh("sphere") if x is None else build_mesh("ball", x, triangles, None, x)
+    x, triangles, uv, N = shapes.sphere(1.0, 8, 12)
+    mesh = build_mesh("ball", x, triangles, uv, N)
+    assert len(subdivided(mesh).positions) > 4 * len(x)
     suns = Lights(SphericalGaussians([], [], []), Suns([[1, 0.5, 0.3]], [[3.0, 3.0, 3.0]]))
     scene = dict(fabric="linen", mesh=mesh, lights=suns, size=(80, 60), background=False)
     off, full = (renderer.render(shadows=mode, **scene)[..., :3].sum(-1) for mode in ("off", "full"))
