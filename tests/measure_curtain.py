@@ -80,9 +80,9 @@ def hits(ctx):
 
 def cost(ctx):
     with CurtainShow(ctx) as show:
-        show.advance(48)
-        positions = show.triangles.positions()
-        for pairs in (True, False):
+        for frame, pairs in ((0, True), (48, True), (48, False), (100, True)):
+            show.advance(frame - show.frame)
+            positions = show.triangles.positions()
             tree = KdTree(ctx, KdTreeParameters(pairs=pairs))
             tree.build(show.triangles)
             nodes = tree.arrays()
@@ -91,9 +91,8 @@ def cost(ctx):
             codes = np.frombuffer(codes.buffer.read(4 * count), np.uint32).astype(int)
             parts = np.stack([positions[codes >> 1], positions[(codes >> 1) + (codes & 1)]], 1)
             best = exact.sah_cost(exact.build(parts, tree.parameters.C_ts), tree.parameters.C_ts)
-            print(
-                f"pairs {pairs}: {len(parts)} parts, cost {got:.2f}, exact {best:.2f}: {100 * (got / best - 1):.1f} %"
-            )
+            more = 100 * (got / best - 1)
+            print(f"frame {frame}, pairs {pairs}: {len(parts)} parts, cost {got:.2f}, exact {best:.2f}: {more:.1f} %")
 
 
 def growth(ctx, only=""):

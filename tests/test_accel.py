@@ -175,7 +175,7 @@ def test_every_triangle_is_reached_and_inside_its_leaf(ctx, keep, pairs):
 
 
 @pytest.mark.parametrize(
-    "parameters", [KdTreeParameters(), KdTreeParameters(pairs=False), KdTreeParameters(pairs=False, small_size=64)]
+    "parameters", [KdTreeParameters(), KdTreeParameters(pairs=False), KdTreeParameters(pairs=False, small_size=32)]
 )
 def test_the_tree_costs_little_more_than_an_exact_one(ctx, keep, parameters):
     soup = scenes.scene(1000, 1.0)

@@ -1,7 +1,7 @@
 """The kd-tree that is built on the GPU every frame.   [Zhou, Hou, Wang, Guo 2008; paper B section 4.3.2]
 
-Large nodes are split level by level, empty space first, at the middle of the longest axis; small ones by the surface
-area heuristic, with masks instead of lists; then the nodes are written in preorder. What Zhou 2008 leaves open is
+Large nodes are split level by level, empty space first, at the middle of that axis which costs least; small ones by the
+surface area heuristic, with masks instead of lists; then the nodes are written in preorder. What Zhou 2008 leaves open is
 decided so: C_ts is a parameter; a candidate plane must lie strictly inside its node; a triangle in the plane goes left,
 and boxes are padded so that it goes both ways; large nodes that cannot be split well (their children would hold more
 than `growth_limit` times their triangles) become leaves; no tree is deeper than the tracer's stack.
@@ -54,8 +54,8 @@ class KdTreeParameters:
     """
 
     C_ts: float = 2.0
-    small_size: int = 32
-    empty_share: float = 0.25
+    small_size: int = 64
+    empty_share: float = 0.15
     growth_limit: float = 1.6
     pairs: bool = True
 
@@ -88,7 +88,7 @@ class KdTree:
             name: TextureBuffer(ctx, 16, texel) for name, (_, _, texel) in SIZES.items()
         }
         self._buffers["bounds"] = TextureBuffer(ctx, 4 * 64, "r32ui")
-        self._buffers["lanes"] = TextureBuffer(ctx, 32 * MOST_LANES, "rgba32ui")
+        self._buffers["lanes"] = TextureBuffer(ctx, 64 * MOST_LANES, "rgba32ui")
         self._counters = ctx.buffer(reserve=4 * CONSTANTS["COUNTERS"], dynamic=True)
         self._capacity = {"n": 0, "r": 0, "l": 0}
         self._laps: list[tuple[str, float]] = []
@@ -205,7 +205,7 @@ class KdTree:
         active, level = 1, 0
         while active:
             lanes = min(max(LANES_OF_ALL >> (active - 1).bit_length(), FEWEST_LANES), MOST_LANES)
-            self._buffers["lanes"].reserve(32 * lanes * active)
+            self._buffers["lanes"].reserve(64 * lanes * active)
             self._write("lanes")
             self._read("lanes")
             self._turn(level)

@@ -3,12 +3,25 @@
 import numpy as np
 
 
-def middle_plane(low, high):
-    """(unit vector of the longest axis, its middle) [..., 4] of boxes.   [Zhou 2008, section 3.1]"""
+def cheapest_middle(low, high, counts):
+    """(unit vector of an axis, middle) [..., 4]: where halving a box costs least.   [own; Mat 6]
+
+    counts : [..., 3] references in both halves, for each axis
+    """
     e = np.asarray(high, float) - low
-    axis = np.where(e[..., 2] > np.maximum(e[..., 0], e[..., 1]), 2, np.where(e[..., 1] > e[..., 0], 1, 0))
-    n = np.eye(3)[axis]
+    b, c = np.roll(e, -1, -1), np.roll(e, -2, -1)
+    cost = np.where(e > 0, counts * (b * c + (b + c) * e / 2), 3e38)
+    n = np.eye(3)[cost.argmin(-1)]
     return np.concatenate([n, np.sum(n * 0.5 * (low + high), -1, keepdims=True)], -1)
+
+
+def sides_of_middle(low, high, middle):
+    """(left, right) [..., 2, 3], 0 or 1, of the planes across x, y and z through a point.   [own]"""
+    planes = [
+        np.concatenate([np.broadcast_to(n, np.shape(middle)), middle[..., i : i + 1]], -1)
+        for i, n in enumerate(np.eye(3))
+    ]
+    return np.stack([sides(low, high, plane) for plane in planes], -1)
 
 
 def gap_plane(cell_low, cell_high, low, high, share):

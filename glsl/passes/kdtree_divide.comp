@@ -1,5 +1,5 @@
 #version 430
-// Large nodes, second of three passes a level, one invocation a node: cut off empty space, or split in the middle; make
+// Large nodes, second of three passes a level, one invocation a node: cut off empty space, or split in a middle; make
 // the children.   [Zhou 2008, section 3.1; Mat 4.3.2]
 //
 // A node is four texels: (low, split) (high, axis) (first child, kind, depth, first lane) (first reference, count, -, -).
@@ -77,15 +77,17 @@ void main() {
     vec3 cell_high = uintBitsToFloat(texelFetch(nodes, 4 * self + 1).xyz);
     vec3 low = vec3(3e38);
     vec3 high = vec3(-3e38);
-    uvec2 count = uvec2(0u);
+    uvec4 count_xy = uvec4(0u);  // left and right along x, along y
+    uvec2 count_z = uvec2(0u);
     for (int i = index * lanes; i < (index + 1) * lanes; ++i) {
-        uvec4 l = texelFetch(lane_data, 2 * i);
-        uvec4 h = texelFetch(lane_data, 2 * i + 1);
-        low = min(low, uintBitsToFloat(l.xyz));
-        high = max(high, uintBitsToFloat(h.xyz));
-        count += uvec2(l.w, h.w);
+        low = min(low, uintBitsToFloat(texelFetch(lane_data, 4 * i).xyz));
+        high = max(high, uintBitsToFloat(texelFetch(lane_data, 4 * i + 1).xyz));
+        count_xy += texelFetch(lane_data, 4 * i + 2);
+        count_z += texelFetch(lane_data, 4 * i + 3).xy;
     }
-    vec4 plane = middle_plane(cell_low, cell_high);
+    vec3 counts = vec3(count_xy.x + count_xy.y, count_xy.z + count_xy.w, count_z.x + count_z.y);
+    vec4 plane = cheapest_middle(cell_low, cell_high, counts);
+    uvec2 count = plane.x > 0.0 ? count_xy.xy : plane.y > 0.0 ? count_xy.zw : count_z;
     vec4 gap = gap_plane(cell_low, cell_high, low, high, empty_share);
     uint all_sides = 0u;
     if (gap.xyz != vec3(0.0)) {

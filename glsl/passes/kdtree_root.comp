@@ -10,8 +10,8 @@ void main() {
     vec3 low = vec3(3e38);
     vec3 high = vec3(-3e38);
     for (int i = 0; i < lanes; ++i) {
-        low = min(low, uintBitsToFloat(texelFetch(lane_data, 2 * i).xyz));
-        high = max(high, uintBitsToFloat(texelFetch(lane_data, 2 * i + 1).xyz));
+        low = min(low, uintBitsToFloat(texelFetch(lane_data, 4 * i).xyz));
+        high = max(high, uintBitsToFloat(texelFetch(lane_data, 4 * i + 1).xyz));
     }
     node[0] = uvec4(floatBitsToUint(low), 0u);
     node[1] = uvec4(floatBitsToUint(high), 0u);

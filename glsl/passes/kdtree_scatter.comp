@@ -79,7 +79,12 @@ void main() {
             }
         return;
     }
-    for (int k = i - lane; k < i; ++k) at += uvec2(texelFetch(lane_data, 2 * k).w, texelFetch(lane_data, 2 * k + 1).w);
+    int column = plane.z > 0.0 ? 3 : 2;
+    bool second = plane.y > 0.0;
+    for (int k = i - lane; k < i; ++k) {
+        uvec4 counts = texelFetch(lane_data, 4 * k + column);
+        at += second ? counts.zw : counts.xy;
+    }
     for (int r = int(range.x) + lane; r < end; r += lanes) {
         uvec4 first = texelFetch(refs, 2 * r);
         vec3 low = uintBitsToFloat(first.xyz);

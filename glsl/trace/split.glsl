@@ -1,11 +1,23 @@
 // Where a large node of the kd-tree is split. A plane is (n, p): the points with dot(x, n) = p, n the unit vector of an
 // axis; dot(x, n) reads a component faster than x[axis] does.   [Zhou et al. 2008, section 3.1]   Twin: glcloth/reference/split.py
 
-// [Zhou et al. 2008, section 3.1]  The middle of the longest axis of a box; x before y before z when they are alike.
-vec4 middle_plane(vec3 low, vec3 high) {
+// [own]  Of the planes through the middle of a box, across x, y and z, the one whose halves cost least by the surface area
+// heuristic; `counts` are the references that the two halves of each hold together. [Zhou et al. 2008] take the longest axis.
+vec4 cheapest_middle(vec3 low, vec3 high, vec3 counts) {
     vec3 e = high - low;
-    vec3 n = e.z > max(e.x, e.y) ? vec3(0.0, 0.0, 1.0) : e.y > e.x ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0);
-    return vec4(n, dot(n, 0.5 * (low + high)));
+    vec3 middle = 0.5 * (low + high);
+    vec3 half_area = e.yzx * e.zxy + 0.5 * e * (e.yzx + e.zxy);
+    vec3 cost = counts * half_area;
+    // No plane parts a box that is flat across it.
+    cost = mix(cost, vec3(3e38), vec3(lessThanEqual(e, vec3(0.0))));
+    vec3 n = cost.x <= min(cost.y, cost.z) ? vec3(1.0, 0.0, 0.0) : cost.y <= cost.z ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+    return vec4(n, dot(n, middle));
+}
+
+// [own]  As `sides`, for the planes across x, y and z through one point: (left of each, right of each) as 0 or 1.
+mat2x3 sides_of_middle(vec3 low, vec3 high, vec3 middle) {
+    vec3 right = vec3(greaterThan(high, middle));
+    return mat2x3(max(vec3(lessThan(low, middle)), 1.0 - right), right);
 }
 
 // [Zhou et al. 2008, section 3.1]  The plane that cuts off the widest empty side of a cell, of those wider than `share` of the
