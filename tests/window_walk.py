@@ -222,8 +222,11 @@ def walk(folder, size):
     out["still_playing"] = app.player.playing
     hand.do(["mousemove", *middle], ["key", "t"], wait=False)
     hand.run(2.0)
+    first = app.tree.frame
+    hand.run(2.0)
     write_image(folder / "tree_playing.png", linear(app.tree.pixels()))
-    out["tree"] = [app.tree.boxes > 100, app.frame - app.tree.frame <= 2]
+    # How far it lags depends on the machine; it leaves out frames rather than holding the curtain up.
+    out["tree"] = [app.tree.boxes > 100, first < app.tree.frame <= app.frame]
     hand.do(["mousemove", *middle], ["key", "space"])
     hand.keep("curtain_paused")
     out["paused"] = not app.player.playing and app.drawer.sides[0].share == 1.0
