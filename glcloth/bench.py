@@ -14,6 +14,7 @@ from . import __version__
 from .context import create_context, is_software, list_devices
 from .errors import InputError
 from .files import cache_dir
+from .progress import track
 from .renderer import METHODS, Frame, Renderer
 from .scene import Scene
 
@@ -70,32 +71,40 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
     costs = {}
     results: dict[str, dict] = {}
     with Renderer(device) as renderer:
+        prepared, times = {}, {label: [] for label, _ in variants}
         for label, changes in variants:
             frame = renderer.prepare(scene.changed(method=label.split("_")[0], background=False, **changes))
-            small = renderer.prepare(frame.scene.changed(size=(32, 24)), lights=frame.lights)
-            renderer.draw(small)  # compiles, and makes tables
-            renderer.draw(frame)  # what a resting cloth keeps: frames of the pixels, and what they see
-            renderer.ctx.finish()
-            wall, cpu = [], []
-            for _ in range(frames):
-                begin, begin_cpu = time.perf_counter(), time.process_time()
+            prepared[label] = frame
+            renderer.draw(
+                renderer.prepare(frame.scene.changed(size=(32, 24)), lights=frame.lights)
+            )  # compiles, makes tables
+            if frame.scene.shadows == "full" and not costs:
                 renderer.draw(frame)
-                renderer.ctx.finish()
-                wall.append(1000 * (time.perf_counter() - begin))
-                cpu.append(1000 * (time.process_time() - begin_cpu))
+                costs = shadow_costs(renderer, frame, frames)
+        # The variants take turns, so that a machine whose speed drifts is alike to all.
+        for label in track([label for _ in range(frames) for label, _ in variants], "bench: frames"):
+            frame = prepared[label]
+            if frame.scene.method != "reference":
+                renderer.draw(frame)  # what a resting cloth keeps: frames of the pixels, and what they see
+            renderer.ctx.finish()
+            begin, begin_cpu = time.perf_counter(), time.process_time()
+            renderer.draw(frame)
+            renderer.ctx.finish()
+            cpu = 1000 * (time.process_time() - begin_cpu)
+            times[label].append((1000 * (time.perf_counter() - begin), cpu))
             covered = renderer.covered_pixels()
-            method = renderer.method(frame.scene.method)
-            ms = statistics.median(wall)
+        for label, rows in times.items():
+            ms, cpu_ms = (statistics.median(column) for column in zip(*rows, strict=True))
+            method = renderer.method(prepared[label].scene.method)
+            method.prepare(prepared[label].fabric, prepared[label].lights, prepared[label].settings)
             results[label] = {
                 "frame_ms": round(ms, 3),
-                "cpu_ms": round(statistics.median(cpu), 3),
+                "cpu_ms": round(cpu_ms, 3),
                 "frames_per_second": round(1000 / ms, 3),
                 "covered_pixels": covered,
                 "ns_per_pixel": round(1e6 * ms / max(covered, 1), 1),
                 "evaluations_per_pixel": method.evaluations_per_pixel(),
             }
-            if frame.scene.shadows == "full" and not costs:
-                costs = shadow_costs(renderer, frame, frames)
         for label, value in results.items():
             bare = results.get(label.removesuffix("_shadows"))
             if bare is not value:

@@ -24,7 +24,7 @@ class Schedule:
     pooled_ratio : how many times the width 2 gamma of a lobe sigma must be for its Gaussian to be pooled
     """
 
-    sharper: tuple[float, ...] = (150.0, 15.0, 4.5, 1.5, 0.55)
+    sharper: tuple[float, ...] = (150.0, 13.0, 4.5, 1.5, 0.55)
     shift: int = 0
     sky: int = 6
     theta_count: int = 3
