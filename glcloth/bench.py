@@ -75,9 +75,8 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
         for label, changes in variants:
             frame = renderer.prepare(scene.changed(method=label.split("_")[0], background=False, **changes))
             prepared[label] = frame
-            renderer.draw(
-                renderer.prepare(frame.scene.changed(size=(32, 24)), lights=frame.lights)
-            )  # compiles, makes tables
+            small = renderer.prepare(frame.scene.changed(size=(32, 24)), lights=frame.lights)
+            renderer.draw(small)  # compiles, and makes tables
             if frame.scene.shadows == "full" and not costs:
                 renderer.draw(frame)
                 costs = shadow_costs(renderer, frame, frames)

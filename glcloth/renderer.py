@@ -137,7 +137,7 @@ class Renderer:
             environment = self._loaded(load_environment, environment or scene.env)
         rotation = rotation_y(scene.env_rotate)
         if lights is None and scene.lights:
-            lights = load_lights(scene.lights).rotated(rotation)
+            lights = self._turned(self._loaded(load_lights, scene.lights), scene.env_rotate)
         elif lights is None:
             lights = self._turned(self._fitted(environment, scene.lobes), scene.env_rotate)
         settings = Settings(
@@ -371,18 +371,18 @@ class Renderer:
 
     def warm_up(self, frame: Frame) -> Iterator[None]:
         """Compile what later edits of the weave may need, one way of packing tangents at each step, by drawing a frame's
-        scene at 22x18 with other tangents. Without it the first frame of such an edit waits for its compiler.
+        scene at 22x18 with other tangents. Without it the first frame of such an edit waits for its compiler. The lights
+        stay, so that what the cloth sees of them need not be traced again.
         """
         warp, weft = frame.fabric.yarn
         plain = {"curve_angles_deg": None, "curve_lengths": None, "samples": None}
         one = weft.changed(**plain, tangents_deg=(0.0,), gamma_s_deg=20.0, gamma_v_deg=20.0)
-        lights = Lights(SphericalGaussians([[0.0, 1.0, 0.0]], [2.0], [[1.0, 1.0, 1.0]]))
         for tangents, gamma in WARM_UP:
             tilts = np.linspace(-20.0, 20.0, tangents - 1)
             many = warp.changed(**plain, tangents_deg=tuple(tilts), gamma_s_deg=gamma, gamma_v_deg=2.0 * gamma)
             for adaptive in (True, False):
                 scene = frame.scene.changed(method="direct", quality="normal", spp=1, adaptive=adaptive, size=(22, 18))
-                small = replace(frame, scene=scene, fabric=frame.fabric.changed(yarn=(many, one)), lights=lights)
+                small = replace(frame, scene=scene, fabric=frame.fabric.changed(yarn=(many, one)))
                 self.draw(small)
                 self.ctx.finish()
                 yield

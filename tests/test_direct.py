@@ -299,6 +299,9 @@ def test_after_a_warm_up_no_weave_of_up_to_eight_tangents_compiles(renderer):
     for _ in renderer.warm_up(frame):
         pass
     programs = dict(renderer._programs)
+    seen = renderer.shadows.vertices.version
+    renderer.draw(frame)
+    assert renderer.shadows.vertices.version == seen, "what the cloth sees was lost"
     for samples in range(1, 8):
         for adaptive in (False, True):
             fabric = edited(load_fabric("silk_crepe_de_chine"), samples=samples)
