@@ -20,9 +20,10 @@ from .curtain import Player
 from .files import Files, check_shown, frame_of
 from .navigation import Navigation
 from .panels import Panels
-from .refine import BUDGET, Refiner
+from .refine import Refiner
 from .resources import Ready, Resources
 from .screen import Look, Screen
+from .slices import BUDGET
 from .state import Document, Session
 from .tree_window import TreeWindow
 

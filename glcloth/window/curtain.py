@@ -11,7 +11,8 @@ import moderngl
 from .. import shader
 from ..curtain.show import CurtainScene, CurtainShow
 from ..environment import Environment
-from .refine import BUDGET, HALF_FROM, LADDER, Side
+from .refine import HALF_FROM, LADDER, Side
+from .slices import BUDGET, Slices
 
 SLICE = 0.018  # seconds of tracing between two looks at the input
 PLAYING = 0.07  # seconds of tracing for a picture while the curtain moves
@@ -31,14 +32,17 @@ class Timings:
     frame: float = 0.0
 
 
-class Player:
+class Player(Slices):
     """One curtain on the window's context. `show` says which, `play`, `pause`, `step`, `restart` move it, `work` draws.
 
     `sides` holds what is to be seen, as the Refiner's does. `fresh` is called with the CurtainShow whenever its
     structure holds another frame.
     """
 
+    caution = 0.5
+
     def __init__(self, ctx: moderngl.Context, fresh: Callable[[CurtainShow], None] | None = None):
+        super().__init__()
         self.ctx = ctx
         self.sides: list[Side] = []
         self.curtain: CurtainShow | None = None
@@ -51,9 +55,6 @@ class Player:
         self._next: tuple[CurtainScene, Environment] | None = None
         self._hanging: Iterator[float] | None = None
         self._moving: Iterator[None] | None = None
-        self._plan: Iterator[bool] | None = None
-        self._refining = self._again = False
-        self._until = 0.0
         self._pace: dict[tuple, float] = {}
         self._targets: dict[str, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
         self._copy = shader.program(ctx, "passes/screen.vert", "passes/traced.frag")
@@ -62,16 +63,6 @@ class Player:
         self._last_frame = 0.0
 
     # -- what is to be shown -----------------------------------------------------------------------------------------
-
-    @property
-    def idle(self) -> bool:
-        """True when the curtain hangs still and its picture is complete."""
-        return self._plan is None
-
-    @property
-    def previewing(self) -> bool:
-        """True while a picture is on its way that answers what was done last."""
-        return self._plan is not None and not self._refining
 
     @property
     def frame(self) -> int:
@@ -109,10 +100,7 @@ class Player:
         if not self.sides:
             self.sides = [Side()]
         self.sides[0].share = 0.0
-        if self._plan is None or self._refining:
-            self._plan = self._all()
-        else:
-            self._again = True
+        super()._begin()
 
     def play(self) -> None:
         """Let the wind blow."""
@@ -149,24 +137,11 @@ class Player:
     # -- drawing -----------------------------------------------------------------------------------------------------
 
     def work(self, budget: float = BUDGET) -> bool:
-        """Draw for about `budget` seconds; True when what is to be seen has changed."""
-        if self._plan is None:
-            return False
-        changed = False
-        self._until = time.perf_counter() + budget
+        """Draw for about `budget` seconds; True when what is to be seen has changed. It plays no more after an error."""
         try:
-            while True:
-                begin = time.perf_counter()
-                changed |= next(self._plan)
-                now = time.perf_counter()
-                # The next slice is likely as long as this one; it must end in time too.
-                if now + 0.5 * (now - begin) >= self._until:
-                    return changed
-        except StopIteration:
-            self._plan = None
-            return changed
+            return super().work(budget)
         except BaseException:
-            self._plan, self.playing = None, False
+            self.playing = False
             raise
 
     def _all(self) -> Iterator[bool]:

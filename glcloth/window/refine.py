@@ -11,8 +11,8 @@ import moderngl
 from .. import shader
 from ..cloth.visibility import FEWEST
 from ..renderer import Frame, Renderer
+from .slices import BUDGET, Slices
 
-BUDGET = 0.026  # seconds between two looks at the input that are aimed at, so that they are rarely 0.033
 PREVIEW = 0.028  # seconds of shading a picture while something changes
 HASTE = 1.7  # by how much the first picture after a rest is smaller still
 LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # by how much a preview is smaller than the picture
@@ -39,10 +39,11 @@ class Side:
     version: int = 0
 
 
-class Refiner:
+class Refiner(Slices):
     """Draws one or two frames with one renderer. `show` says what; `work` draws for a while."""
 
     def __init__(self, renderer: Renderer):
+        super().__init__()
         self.renderer = renderer
         self.ctx = renderer.ctx
         self.sides: list[Side] = []
@@ -50,18 +51,10 @@ class Refiner:
         self._frames: list[Frame] = []
         self._scale = 6.0
         self._shading = 0.0  # seconds that the last preview took, but for its G-buffer
-        self._refining = self._again = False
         self._seconds_per_row: dict[tuple, float] = {}
         self._targets: dict[tuple, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
         self._copy = shader.program(self.ctx, "passes/screen.vert", "passes/refine.frag")
-        self._plan: Iterator[None] | None = None
-        self._until = 0.0
         self._directions = 4  # of the shadows, at a time
-
-    @property
-    def idle(self) -> bool:
-        """True when every side is at full quality (or nothing is shown)."""
-        return self._plan is None
 
     def show(self, frames: list[Frame]) -> None:
         """Draw these frames from now on. A small picture under way is finished first: else the edits of a drag, one
@@ -72,37 +65,7 @@ class Refiner:
         del self.sides[len(frames) :]
         for side in self.sides:
             side.share = 0.0
-        if self._plan is None or self._refining:
-            self._plan = None  # first: what the old plan holds on to is let go
-            self._plan = self._all()
-        else:
-            self._again = True
-
-    def work(self, budget: float = BUDGET) -> bool:
-        """Draw for about `budget` seconds; True when what a side shows has changed."""
-        if self._plan is None:
-            return False
-        changed = False
-        self._until = time.perf_counter() + budget
-        try:
-            while True:
-                begin = time.perf_counter()
-                changed |= next(self._plan)
-                now = time.perf_counter()
-                # The next slice is likely as long as this one; it must end in time too.
-                if now + 0.7 * (now - begin) >= self._until:
-                    return changed
-        except StopIteration:
-            self._plan = None
-            return changed
-        except BaseException:
-            self._plan = None
-            raise
-
-    @property
-    def previewing(self) -> bool:
-        """True while a picture is on its way that answers what was done last."""
-        return self._plan is not None and not self._refining
+        self._begin()
 
     def finish(self) -> None:
         """Draw until all is at full quality."""
