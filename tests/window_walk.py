@@ -5,6 +5,7 @@ DISPLAY=:1 python tests/window_walk.py FOLDER newcomer MAP     # a new user's pa
 """
 
 import json
+import os
 import subprocess
 import sys
 import time
@@ -291,7 +292,9 @@ if __name__ == "__main__":
     target = Path(sys.argv[1]).resolve()
     target.mkdir(parents=True, exist_ok=True)
     if sys.argv[2:3] == ["newcomer"]:
-        print(json.dumps(newcomer(target, Path(sys.argv[3]).resolve())))
+        path = Path(sys.argv[3]).resolve()
+        os.chdir(target)  # what is saved there stays there
+        print(json.dumps(newcomer(target, path)))
     else:
         wanted = tuple(map(int, sys.argv[2].split("x"))) if len(sys.argv) > 2 else (1280, 720)
         print(json.dumps(walk(target, wanted)))
