@@ -38,7 +38,7 @@ class Shadows:
         self._structure = self._lights = None
         self._mode: Mode = "off"
         self._filled: dict[GBuffer, tuple] = {}
-        self._furnace: tuple | None = None  # fabric, rho
+        self._furnace: tuple | None = None  # fabric, its albedo
         self._points: tuple | None = None
 
     def follow_poses(self, follow: bool) -> None:
@@ -121,16 +121,16 @@ class Shadows:
 
     def bind(self, program, fabric: Fabric, shared: SceneBuffers) -> None:
         """Bind what passes/seen_pixels.glsl reads of the G-buffer that was looked at last."""
-        rho = self.albedo(fabric, shared) if self._mode == "full" and self._bounce else np.zeros(3)
+        albedo = self.albedo(fabric, shared) if self._mode == "full" and self._bounce else np.zeros(3)
         self._seen.use(SEEN_UNIT)
         shader.set_uniforms(
-            program, broad_number=self._numbers[0], sun_number=self._numbers[1], rho=tuple(map(float, rho))
+            program, broad_number=self._numbers[0], sun_number=self._numbers[1], albedo=tuple(map(float, albedo))
         )
 
     # -- how much a fabric reflects ----------------------------------------------------------------------------------
 
     def albedo(self, fabric: Fabric, shared: SceneBuffers) -> np.ndarray:
-        """rho [3]: what a fabric reflects of light that comes evenly from everywhere, in the mean over all views by their
+        """What [3] a fabric reflects of light that comes evenly from everywhere, in the mean over all views by their
         cosine; `shared` holds the fabric. From 64 x 256 directions, kept until the fabric changes."""
         if self._furnace is None or self._furnace[0] is not fabric:
             program = self._program("furnace")

@@ -119,6 +119,6 @@ def mean_visibility(bits, N, directions, table):
     return V
 
 
-def bounced(L, rho, V_0):
-    """One diffuse bounce: what hides the light is cloth of albedo rho, lit about as the point itself.   [own]"""
-    return np.asarray(L, float) * (1.0 + np.asarray(rho, float) * (1.0 - np.asarray(V_0, float)[..., None]))
+def bounced(L, albedo, V_0):
+    """One diffuse bounce: what hides the light is cloth of that albedo, lit about as the point itself.   [own]"""
+    return np.asarray(L, float) * (1.0 + np.asarray(albedo, float) * (1.0 - np.asarray(V_0, float)[..., None]))

@@ -5,7 +5,7 @@
 layout(binding = 2) uniform sampler2DArray seen;
 uniform int broad_number;  // of the first of the broad light's, a multiple of 4
 uniform int sun_number;    // of the first sun, likewise
-uniform vec3 rho;          // directional albedo of the fabric
+uniform vec3 albedo;       // of the fabric, bihemispherical
 ivec2 seen_from;
 vec4 V_low, V_middle, V_four;
 float V_top;
@@ -38,4 +38,4 @@ float V_sun(int s) { return V_number(sun_number + s); }
 // Of the light that is summed over several Gaussians, from a direction of the surface frame.
 float V_broad(vec3 omega) { return from_bands(omega, V_low, V_middle, V_top); }
 
-vec3 with_bounce(vec3 L) { return bounced(L, rho, V_texel(0).x); }
+vec3 with_bounce(vec3 L) { return bounced(L, albedo, V_texel(0).x); }

@@ -20,7 +20,7 @@ float from_bands(vec3 omega, vec4 low, vec4 middle, float top) {
     return dot(quadrant_shares(omega), bands.x * low + bands.y * middle) + bands.z * top;
 }
 
-// [own]  One diffuse bounce: what hides the light is cloth of albedo rho, lit about as the point itself.
-vec3 bounced(vec3 L, vec3 rho, float V_0) {
-    return L * (1.0 + rho * (1.0 - V_0));
+// [own]  One diffuse bounce: what hides the light is cloth of that albedo, lit about as the point itself.
+vec3 bounced(vec3 L, vec3 albedo, float V_0) {
+    return L * (1.0 + albedo * (1.0 - V_0));
 }

@@ -30,7 +30,7 @@ SPECIAL = {
     ("from_bands", "middle"): lambda rng, count: rng.random((count, 4)),
     ("from_bands", "top"): between(0.0, 1.0),
     ("bounced", "L"): lambda rng, count: 10 * rng.random((count, 3)),
-    ("bounced", "rho"): lambda rng, count: rng.random((count, 3)),
+    ("bounced", "albedo"): lambda rng, count: rng.random((count, 3)),
     ("bounced", "V_0"): between(0.0, 1.0),
     ("safe_inverse", "d"): directions_and_axes,
     ("slab", "o"): vectors(3.0),
