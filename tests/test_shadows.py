@@ -12,7 +12,7 @@ from glcloth.camera import Camera
 from glcloth.cloth.albedo import diffuse_albedo
 from glcloth.cloth.probes import LONGEST_EDGE, place_probes, subdivided
 from glcloth.cloth.shadows import Shadows
-from glcloth.cloth.visibility import BROAD_FLOOR, NEAREST_LAYER, VertexVisibility, broad_number
+from glcloth.cloth.visibility import BROAD_FLOOR, COSINE, FLAT, NEAREST_LAYER, VertexVisibility, broad_number
 from glcloth.fabric import builtin_fabrics, load_fabric
 from glcloth.lights import Lights, SphericalGaussians, Suns
 from glcloth.mesh import build_mesh, load_mesh
@@ -53,12 +53,12 @@ def wavy(n=20):
     return build_mesh("wavy", positions, mesh.triangles, positions[:, [0, 2]])
 
 
-def seen_by(ctx, mesh, occluders=None, classes=1, lights=LIGHTS, broad=NOTHING_BROAD, sharp=False):
+def seen_by(ctx, mesh, occluders=None, classes=1, lights=LIGHTS, broad=NOTHING_BROAD, sharp=False, steepness=FLAT):
     """The visibility of a mesh's vertices under lights: (VertexVisibility, values)."""
     triangles = Triangles.of(ctx, mesh.positions[mesh.triangles] if occluders is None else occluders)
     structure = Lbvh(ctx)
     structure.build(triangles)
-    vertices = VertexVisibility(ctx)
+    vertices = VertexVisibility(ctx, steepness)
     vertices.start(mesh, structure, classes=classes)
     for _ in vertices.steps(lights if sharp else None):
         pass
@@ -125,11 +125,12 @@ def test_bits_are_those_of_rays_that_meet_every_triangle(ctx):
             assert 0.2 < bits.mean() < 0.95
 
 
-def test_means_are_those_of_the_twin(ctx):
-    vertices, values = seen_by(ctx, wavy())
+@pytest.mark.parametrize(("steepness", "broad"), [(FLAT, NOTHING_BROAD), (COSINE, None)])
+def test_means_are_those_of_the_twin(ctx, steepness, broad):
+    vertices, values = seen_by(ctx, wavy(), steepness=steepness, broad=broad)
     D = vertices.directions
     table = twin.gaussian_table(D, GAUSSIANS.axis, GAUSSIANS.sharpness)
-    expected = twin.mean_visibility(vertices.bits()[0], vertices.probes.normals, D, table)
+    expected = twin.mean_visibility(vertices.bits()[0], vertices.probes.normals, D, table, steepness)
     # Half floats, G in 14 bits, and a byte of result.
     assert np.abs(values[..., :5] - expected).max() < 0.03
     assert np.percentile(np.abs(values[..., :5] - expected), 99) < 0.006

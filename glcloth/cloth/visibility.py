@@ -23,6 +23,7 @@ BROAD_FLOOR = 0.02  # of the broad light's mean is added to it everywhere
 BROAD_PART = 0.05  # of all light: about what one mean of the broad light is of
 NARROW = 30.0  # sharpness from which a Gaussian has directions of its own,
 OWN = 16  # so many, of all classes together
+FLAT, COSINE = 8.0, 1.0  # steepness of the weight of directions
 NEAREST_LAYER = 1 / 3  # of the way to the next layer of cloth: how far rays may start from their own
 
 
@@ -32,10 +33,13 @@ class VertexVisibility:
     `start` takes a mesh, `steps` traces (`done` says how many fixed directions of each probe are), `integrate` makes the
     means under some lights, which then lie in `means`: of each vertex front and back, of each side `groups` words of
     four unorm8: V_0, V_1 .. V_K, a gap to the next whole word, and BROAD of the broad light.
+
+    Directions count by clamp(`steepness` cos, 0, 1): FLAT for cloth, COSINE for a Lambertian.
     """
 
-    def __init__(self, ctx):
+    def __init__(self, ctx, steepness: float = FLAT):
         self.ctx = ctx
+        self.steepness = float(steepness)
         self.done = self.groups = 0
         self.version = 0  # of the means: changes when they do
         self.probes: Probes | None = None
@@ -204,19 +208,19 @@ class VertexVisibility:
 
     # -- means -------------------------------------------------------------------------------------------------------
 
-    def integrate(self, lights: Lights, broad: np.ndarray) -> None:
+    def integrate(self, lights: Lights, broad: np.ndarray | None) -> None:
         """Make the means under these lights, from as many directions as are traced; nothing when they are made.
 
         `broad`: how much [K] of each Gaussian a method sums with others before it knows V. That light's visibility
-        follows V_K as nine means over parts of the surface frame (`reference.visibility.from_bands`).
+        follows V_K as nine means over parts of the surface frame (`reference.visibility.from_bands`); None: not at all.
         """
         sharp = self._sharp is lights
-        state = self.done, sharp, broad.tobytes()
+        state = self.done, sharp, None if broad is None else broad.tobytes()
         if self._lights is lights and self._state == state:
             return
         tables = [self._table(c, lights, sharp) for c in range(self.classes)]
         first_broad = tables[0].shape[1] // 4
-        self.groups = first_broad + BROAD // 4
+        self.groups = first_broad + (0 if broad is None else BROAD // 4)
         words, P, V = 4 * self.groups, len(self.probes.points), self.probes.spread.shape[0]
         self._sums.reserve(8 * words * P)
         self.means.reserve(8 * self.groups * V)
@@ -237,12 +241,15 @@ class VertexVisibility:
                     *self.probes.first[c : c + 2],
                     group=group,
                     group_count=self.groups,
+                    steepness=self.steepness,
                     first=tuple(map(int, first[4 * group : 4 * group + 4])),
                     last=tuple(map(int, first[4 * group + 1 : 4 * group + 5])),
                 )
-        there = self._sum_broad(lights, broad, first_broad)
+        sums = sum(table.sum(0) for table in tables)
+        if broad is not None:
+            there = self._sum_broad(lights, broad, first_broad)
+            sums = np.append(sums, np.full(BROAD, BROAD_PART * there))
         self.ctx.memory_barrier()
-        sums = np.append(sum(table.sum(0) for table in tables), np.full(BROAD, BROAD_PART * there))
         least = np.where(sums > 0.0, LEAST * sums, 1.0).reshape(-1, 4)
         program = self._program("spread")
         for unit, buffer in enumerate((self._sums, self._row_data, self._spread_data), 9):

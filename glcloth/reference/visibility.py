@@ -22,9 +22,10 @@ def world_directions(count):
     return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
 
 
-def flat_weight(cos_theta):
-    """How much a direction counts by its cosine: cloth's f cos(theta) is nearly flat in it, and stops at the horizon.   [own]"""
-    return np.clip(8.0 * np.asarray(cos_theta, float), 0.0, 1.0)
+def flat_weight(cos_theta, steepness=8.0):
+    """How much a direction counts by its cosine: cloth's f cos(theta) is nearly flat in it, and stops at the horizon; with
+    `steepness` 1 it is a Lambertian's.   [own]"""
+    return np.clip(steepness * np.asarray(cos_theta, float), 0.0, 1.0)
 
 
 LEAST = 1e-4  # what a Gaussian's tail below counts as nothing
@@ -96,7 +97,7 @@ def own_directions(axis, sharpness, count):
     return r[:, None] * (np.cos(phi)[:, None] * u + np.sin(phi)[:, None] * np.cross(axis, u)) + z[:, None] * axis
 
 
-def mean_visibility(bits, N, directions, table):
+def mean_visibility(bits, N, directions, table, steepness=8.0):
     """V [P, 2, 1 + K]: the weighted share of the directions that each probe sees, front and back.   [own]
 
     V_k = (e_k + sum_j w_j G_kj V_j) / (e_k + sum_j w_j G_kj),   w_j = flat_weight(+-D_j . N),   e_k = LEAST sum_j G_kj:
@@ -108,10 +109,11 @@ def mean_visibility(bits, N, directions, table):
     N : [P, 3]
     directions : [n, 3]
     table : [n, 1 + K] from `gaussian_table`
+    steepness : of `flat_weight`
     """
     V = np.ones((len(N), 2, table.shape[1]))
     for side, sign in ((0, 1.0), (1, -1.0)):
-        w = flat_weight(sign * (np.asarray(N, float) @ np.asarray(directions, float).T))
+        w = flat_weight(sign * (np.asarray(N, float) @ np.asarray(directions, float).T), steepness)
         below = w @ table
         above = (w * bits) @ table
         least = LEAST * table.sum(0)

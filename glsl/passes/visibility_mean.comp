@@ -13,11 +13,12 @@ uniform int group;
 uniform int group_count;
 uniform ivec4 first;     // entry of each of the four Gaussians
 uniform ivec4 last;      // the one after its last
+uniform float steepness;  // of the weight of directions: 8 for cloth, 1 is the cosine
 
 void main() {
     int i = first_item + int(gl_GlobalInvocationID.x);
     if (i >= last_item) return;
-    vec3 N = 8.0 * texelFetch(probe_data, 2 * i + 1).xyz;
+    vec3 N = steepness * texelFetch(probe_data, 2 * i + 1).xyz;
     ivec4 begin = first, end = last;
     int at = 8 * i * group_count + 4 * group;
     int n = 0;
