@@ -186,8 +186,8 @@ def test_the_tree_costs_little_more_than_an_exact_one(ctx, keep, parameters):
     cost = exact.sah_cost(nodes | {"count": nodes["pairs"]}, parameters.C_ts)
     parts = soup.reshape(-1, 2, 3, 3) if parameters.pairs else soup
     best = exact.sah_cost(exact.build(parts, parameters.C_ts), parameters.C_ts)
-    # Boxes are not clipped in small nodes, and those of pairs lose more by it.
-    assert 0.8 * best < cost < (1.18 if parameters.pairs else 1.12) * best
+    # Boxes are not clipped in small nodes; on the other hand the greedy choice of the exact tree is not the best one.
+    assert 0.9 * best < cost < 1.08 * best
 
 
 def test_buffers_that_are_too_small_grow(ctx, keep):

@@ -1,10 +1,11 @@
 """The kd-tree that is built on the GPU every frame.   [Zhou, Hou, Wang, Guo 2008; paper B section 4.3.2]
 
-Large nodes are split level by level, empty space first, at the middle of that axis which costs least; small ones by the
-surface area heuristic, with masks instead of lists; then the nodes are written in preorder. What Zhou 2008 leaves open is
-decided so: C_ts is a parameter; a candidate plane must lie strictly inside its node; a triangle in the plane goes left,
-and boxes are padded so that it goes both ways; large nodes that cannot be split well (their children would hold more
-than `growth_limit` times their triangles) become leaves; no tree is deeper than the tracer's stack.
+Large nodes are split level by level, empty space first, then at that of LARGE_PLANES planes across each axis which costs
+least by the surface area heuristic; small ones at the best of all faces of their triangles' boxes, with masks instead of
+lists; then the nodes are written in preorder. What Zhou 2008 leaves open is decided so: C_ts is a parameter; a candidate
+plane must lie strictly inside its node; a triangle in the plane goes left, and boxes are padded so that it goes both ways;
+large nodes that cannot be split well (their children would hold more than `growth_limit` times their triangles) become
+leaves; no tree is deeper than the tracer's stack.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ BINDINGS = {
 }  # fmt: skip
 COUNTERS_BINDING = 5
 # Invocations that share a large node: many while the nodes are few, so that every core has work.
+LANE_BYTES = 16 * CONSTANTS["LANE_TEXELS"]
 LANES_OF_ALL, FEWEST_LANES, MOST_LANES = 1024, 16, 128
+LANE_REFS = 0xFFFF  # the most references that a lane can count (glsl/trace/split.glsl side_counts)
 # Texels of each buffer: per node ("n"), per reference ("r"), per reference in a leaf ("l"); their format.
 SIZES = {
     "nodes": ("n", 4, "rgba32ui"), "active_a": ("n", 1, "r32ui"), "active_b": ("n", 1, "r32ui"),
@@ -88,7 +91,7 @@ class KdTree:
             name: TextureBuffer(ctx, 16, texel) for name, (_, _, texel) in SIZES.items()
         }
         self._buffers["bounds"] = TextureBuffer(ctx, 4 * 64, "r32ui")
-        self._buffers["lanes"] = TextureBuffer(ctx, 64 * MOST_LANES, "rgba32ui")
+        self._buffers["lanes"] = TextureBuffer(ctx, LANE_BYTES * MOST_LANES, "rgba32ui")
         self._counters = ctx.buffer(reserve=4 * CONSTANTS["COUNTERS"], dynamic=True)
         self._capacity = {"n": 0, "r": 0, "l": 0}
         self._laps: list[tuple[str, float]] = []
@@ -202,10 +205,11 @@ class KdTree:
     def _large(self, padding: float, generations: list[int]) -> int | None:
         """Split the large nodes level by level; the number of levels, None when a buffer was too small."""
         p, refs = self.parameters, self._capacity["r"]
+        fewest = max(FEWEST_LANES, -(-refs // LANE_REFS))
         active, level = 1, 0
         while active:
-            lanes = min(max(LANES_OF_ALL >> (active - 1).bit_length(), FEWEST_LANES), MOST_LANES)
-            self._buffers["lanes"].reserve(64 * lanes * active)
+            lanes = max(min(LANES_OF_ALL >> (active - 1).bit_length(), MOST_LANES), fewest)
+            self._buffers["lanes"].reserve(LANE_BYTES * lanes * active)
             self._write("lanes")
             self._read("lanes")
             self._turn(level)

@@ -3,25 +3,40 @@
 import numpy as np
 
 
-def cheapest_middle(low, high, counts):
-    """(unit vector of an axis, middle) [..., 4]: where halving a box costs least.   [own; Mat 6]
+def plane_fraction(k, count):
+    """Where plane k of `count`, evenly spread, lies in a box: 0..1.   [own]"""
+    return (k + 1) / (count + 1)
 
-    counts : [..., 3] references in both halves, for each axis
+
+def planes_at(low, high, fraction):
+    """The planes [..., 3] across x, y and z at a fraction [...] of a box.   [own]"""
+    return low + fraction[..., None] * (np.asarray(high, float) - low)
+
+
+def plane_costs(low, high, fraction, left, right):
+    """[..., 3]: N_left A_left + N_right A_right of the planes of `planes_at`, A half the area of a part.   [Mat 6]
+
+    left, right : [..., 3] references on both sides, for each axis
     """
     e = np.asarray(high, float) - low
     b, c = np.roll(e, -1, -1), np.roll(e, -2, -1)
-    cost = np.where(e > 0, counts * (b * c + (b + c) * e / 2), 3e38)
-    n = np.eye(3)[cost.argmin(-1)]
-    return np.concatenate([n, np.sum(n * 0.5 * (low + high), -1, keepdims=True)], -1)
+    x = fraction[..., None] * e
+    return np.where(e > 0, left * (b * c + (b + c) * x) + right * (b * c + (b + c) * (e - x)), 3e38)
 
 
-def sides_of_middle(low, high, middle):
-    """(left, right) [..., 2, 3], 0 or 1, of the planes across x, y and z through a point.   [own]"""
-    planes = [
-        np.concatenate([np.broadcast_to(n, np.shape(middle)), middle[..., i : i + 1]], -1)
+def least_axis(v):
+    """The unit vector [..., 3] of the axis along which v is least.   [own]"""
+    return np.eye(3)[np.asarray(v).argmin(-1)]
+
+
+def side_counts(low, high, planes):
+    """1 for left plus 65536 for right, [..., 3], of the planes across x, y and z through a point.   [own]"""
+    each = [
+        np.concatenate([np.broadcast_to(n, np.shape(planes)), planes[..., i : i + 1]], -1)
         for i, n in enumerate(np.eye(3))
     ]
-    return np.stack([sides(low, high, plane) for plane in planes], -1)
+    left, right = (np.stack([sides(low, high, plane)[..., k] for plane in each], -1) for k in (0, 1))
+    return left + 65536 * right
 
 
 def gap_plane(cell_low, cell_high, low, high, share):

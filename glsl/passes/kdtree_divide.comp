@@ -1,6 +1,6 @@
 #version 430
-// Large nodes, second of three passes a level, one invocation a node: cut off empty space, or split in a middle; make
-// the children.   [Zhou 2008, section 3.1; Mat 4.3.2]
+// Large nodes, second of three passes a level, one invocation a node: cut off empty space, or split where it costs least;
+// make the children.   [Zhou 2008, section 3.1; Mat 4.3.2]
 //
 // A node is four texels: (low, split) (high, axis) (first child, kind, depth, first lane) (first reference, count, -, -).
 // Each node is split once a level, so several empty sides are cut off level by level. The node's last word keeps for the
@@ -77,17 +77,34 @@ void main() {
     vec3 cell_high = uintBitsToFloat(texelFetch(nodes, 4 * self + 1).xyz);
     vec3 low = vec3(3e38);
     vec3 high = vec3(-3e38);
-    uvec4 count_xy = uvec4(0u);  // left and right along x, along y
-    uvec2 count_z = uvec2(0u);
-    for (int i = index * lanes; i < (index + 1) * lanes; ++i) {
-        low = min(low, uintBitsToFloat(texelFetch(lane_data, 4 * i).xyz));
-        high = max(high, uintBitsToFloat(texelFetch(lane_data, 4 * i + 1).xyz));
-        count_xy += texelFetch(lane_data, 4 * i + 2);
-        count_z += texelFetch(lane_data, 4 * i + 3).xy;
+    int begin = LANE_TEXELS * lanes * index;
+    int end = begin + LANE_TEXELS * lanes;
+    for (int i = begin; i < end; i += LANE_TEXELS) {
+        low = min(low, uintBitsToFloat(texelFetch(lane_data, i).xyz));
+        high = max(high, uintBitsToFloat(texelFetch(lane_data, i + 1).xyz));
     }
-    vec3 counts = vec3(count_xy.x + count_xy.y, count_xy.z + count_xy.w, count_z.x + count_z.y);
-    vec4 plane = cheapest_middle(cell_low, cell_high, counts);
-    uvec2 count = plane.x > 0.0 ? count_xy.xy : plane.y > 0.0 ? count_xy.zw : count_z;
+    float best = 3e38;
+    vec4 plane = vec4(0.0);
+    uvec2 count = uvec2(0u);
+    uint column = 0u;
+    for (int k = 0; k < LARGE_PLANES; ++k) {
+        uvec3 left = uvec3(0u);
+        uvec3 right = uvec3(0u);
+        for (int i = begin + 2 + k; i < end; i += LANE_TEXELS) {
+            uvec3 counts = texelFetch(lane_data, i).xyz;
+            left += counts & 0xffffu;
+            right += counts >> 16u;
+        }
+        float fraction = plane_fraction(k, LARGE_PLANES);
+        vec3 cost = plane_costs(cell_low, cell_high, fraction, vec3(left), vec3(right));
+        vec3 n = least_axis(cost);
+        if (dot(n, cost) < best) {
+            best = dot(n, cost);
+            plane = vec4(n, dot(n, planes_at(cell_low, cell_high, fraction)));
+            count = uvec2(n.x > 0.0 ? left.x : n.y > 0.0 ? left.y : left.z, n.x > 0.0 ? right.x : n.y > 0.0 ? right.y : right.z);
+            column = uint(2 + k);
+        }
+    }
     vec4 gap = gap_plane(cell_low, cell_high, low, high, empty_share);
     uint all_sides = 0u;
     if (gap.xyz != vec3(0.0)) {
@@ -108,7 +125,7 @@ void main() {
     }
     node[4 * self] = uvec4(floatBitsToUint(cell_low), floatBitsToUint(plane.w));
     node[4 * self + 1] = uvec4(floatBitsToUint(cell_high), uint(dot(plane.xyz, vec3(0.0, 1.0, 2.0))));
-    node[4 * self + 2] = uvec4(children, stop ? LARGE_LEAF : INNER, uint(level), 0u);
+    node[4 * self + 2] = uvec4(children, stop ? LARGE_LEAF : INNER, uint(level), column);
     if (stop) {
         atomicMax(counter[LONGEST_LEAF_COUNT], range.y);
         uint at = reserve_small(uint(self), range.y, true);

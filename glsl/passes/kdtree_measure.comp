@@ -1,13 +1,14 @@
 #version 430
 // Large nodes, first of three passes a level: `lanes` invocations a node each go through every `lanes`-th reference.
-// Each notes the box of its references, and how many lie left and right of the node's middle along each axis.
+// Each notes the box of its references, and how many lie left and right of LARGE_PLANES planes across each axis.
 #include "trace/shared.glsl"
 #include "trace/split.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 1) uniform usamplerBuffer refs;
 layout(binding = 2) uniform usamplerBuffer nodes;
 layout(binding = 3) uniform usamplerBuffer active_nodes;
-layout(std430, binding = 4) writeonly buffer Lanes { uvec4 lane_out[]; };  // (low, -) (high, -), then (left, right) of x and of y, of z
+// LANE_TEXELS each: (low, -) (high, -), then for every plane (counts across x, y, z, -) as side_counts() packs them
+layout(std430, binding = 4) writeonly buffer Lanes { uvec4 lane_out[]; };
 uniform int active_count;
 uniform int lanes;
 
@@ -17,23 +18,30 @@ void main() {
     if (index >= active_count) return;
     int self = int(texelFetch(active_nodes, index).x);
     uvec2 range = texelFetch(nodes, 4 * self + 3).xy;
-    vec3 middle = 0.5 * (uintBitsToFloat(texelFetch(nodes, 4 * self).xyz) + uintBitsToFloat(texelFetch(nodes, 4 * self + 1).xyz));
+    vec3 cell_low = uintBitsToFloat(texelFetch(nodes, 4 * self).xyz);
+    vec3 cell_high = uintBitsToFloat(texelFetch(nodes, 4 * self + 1).xyz);
+    vec3 planes[LARGE_PLANES];
+    uvec3 counts[LARGE_PLANES];
+    for (int k = 0; k < LARGE_PLANES; ++k) {
+        planes[k] = planes_at(cell_low, cell_high, plane_fraction(k, LARGE_PLANES));
+        counts[k] = uvec3(0u);
+    }
     vec3 low = vec3(3e38);
     vec3 high = vec3(-3e38);
-    uvec3 left = uvec3(0u);
-    uvec3 right = uvec3(0u);
     int end = int(range.x + range.y);
     for (int r = int(range.x) + i % lanes; r < end; r += lanes) {
         vec3 l = uintBitsToFloat(texelFetch(refs, 2 * r).xyz);
         vec3 h = uintBitsToFloat(texelFetch(refs, 2 * r + 1).xyz);
         low = min(low, l);
         high = max(high, h);
-        mat2x3 side = sides_of_middle(l, h, middle);
-        left += uvec3(side[0]);
-        right += uvec3(side[1]);
+        for (int k = 0; k < LARGE_PLANES; ++k) {
+            counts[k] += side_counts(l, h, planes[k]);
+        }
     }
-    lane_out[4 * i] = uvec4(floatBitsToUint(low), 0u);
-    lane_out[4 * i + 1] = uvec4(floatBitsToUint(high), 0u);
-    lane_out[4 * i + 2] = uvec4(left.x, right.x, left.y, right.y);
-    lane_out[4 * i + 3] = uvec4(left.z, right.z, 0u, 0u);
+    int at = LANE_TEXELS * i;
+    lane_out[at] = uvec4(floatBitsToUint(low), 0u);
+    lane_out[at + 1] = uvec4(floatBitsToUint(high), 0u);
+    for (int k = 0; k < LARGE_PLANES; ++k) {
+        lane_out[at + 2 + k] = uvec4(counts[k], 0u);
+    }
 }

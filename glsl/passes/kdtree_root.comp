@@ -1,5 +1,6 @@
 #version 430
 // The root's cell: the box of all references, from what the lanes of the first measurement found.
+#include "trace/shared.glsl"
 layout(local_size_x = 8) in;
 layout(binding = 4) uniform usamplerBuffer lane_data;
 layout(std430, binding = 3) writeonly buffer Nodes { uvec4 node[]; };
@@ -10,8 +11,8 @@ void main() {
     vec3 low = vec3(3e38);
     vec3 high = vec3(-3e38);
     for (int i = 0; i < lanes; ++i) {
-        low = min(low, uintBitsToFloat(texelFetch(lane_data, 4 * i).xyz));
-        high = max(high, uintBitsToFloat(texelFetch(lane_data, 4 * i + 1).xyz));
+        low = min(low, uintBitsToFloat(texelFetch(lane_data, LANE_TEXELS * i).xyz));
+        high = max(high, uintBitsToFloat(texelFetch(lane_data, LANE_TEXELS * i + 1).xyz));
     }
     node[0] = uvec4(floatBitsToUint(low), 0u);
     node[1] = uvec4(floatBitsToUint(high), 0u);

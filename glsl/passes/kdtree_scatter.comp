@@ -45,7 +45,7 @@ void main() {
     if (index >= active_count) return;
     int self = int(texelFetch(active_nodes, index).x);
     uvec4 range = texelFetch(nodes, 4 * self + 3);
-    uvec2 head = texelFetch(nodes, 4 * self + 2).xy;
+    uvec4 head = texelFetch(nodes, 4 * self + 2);  // (first child, kind, -, where its lanes hold the counts)
     int end = int(range.x + range.y);
     uvec2 at;
     vec4 plane = vec4(1.0, 0.0, 0.0, 3e38);
@@ -79,11 +79,10 @@ void main() {
             }
         return;
     }
-    int column = plane.z > 0.0 ? 3 : 2;
-    bool second = plane.y > 0.0;
     for (int k = i - lane; k < i; ++k) {
-        uvec4 counts = texelFetch(lane_data, 4 * k + column);
-        at += second ? counts.zw : counts.xy;
+        uvec3 counts = texelFetch(lane_data, LANE_TEXELS * k + int(head.w)).xyz;
+        uint both = plane.x > 0.0 ? counts.x : plane.y > 0.0 ? counts.y : counts.z;
+        at += uvec2(both & 0xffffu, both >> 16u);
     }
     for (int r = int(range.x) + lane; r < end; r += lanes) {
         uvec4 first = texelFetch(refs, 2 * r);

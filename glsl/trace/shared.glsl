@@ -24,6 +24,8 @@ const uint SOLID = 0x80000000u;  // beside a triangle's number: it is not cloth
 const int STACK = 48;            // the deepest a tree may be: LARGE_LEVELS + SMALL_LEVELS
 const int LARGE_LEVELS = 28;
 const int SMALL_LEVELS = 20;
+const int LARGE_PLANES = 15;      // planes across each axis at which a large node may be split, evenly spread
+const int LANE_TEXELS = 17;      // what a lane notes of a large node: 2 + 2 LARGE_PLANES
 const int MASK_BITS = 64;        // the largest small node   [Zhou 2008, section 3.1]
 
 // The bounding volume hierarchy.

@@ -1,23 +1,36 @@
 // Where a large node of the kd-tree is split. A plane is (n, p): the points with dot(x, n) = p, n the unit vector of an
 // axis; dot(x, n) reads a component faster than x[axis] does.   [Zhou et al. 2008, section 3.1]   Twin: glcloth/reference/split.py
 
-// [own]  Of the planes through the middle of a box, across x, y and z, the one whose halves cost least by the surface area
-// heuristic; `counts` are the references that the two halves of each hold together. [Zhou et al. 2008] take the longest axis.
-vec4 cheapest_middle(vec3 low, vec3 high, vec3 counts) {
-    vec3 e = high - low;
-    vec3 middle = 0.5 * (low + high);
-    vec3 half_area = e.yzx * e.zxy + 0.5 * e * (e.yzx + e.zxy);
-    vec3 cost = counts * half_area;
-    // No plane parts a box that is flat across it.
-    cost = mix(cost, vec3(3e38), vec3(lessThanEqual(e, vec3(0.0))));
-    vec3 n = cost.x <= min(cost.y, cost.z) ? vec3(1.0, 0.0, 0.0) : cost.y <= cost.z ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
-    return vec4(n, dot(n, middle));
+// [own]  Where plane k of `count` lies in a box, as a fraction of it. Exact where count + 1 is a power of 2.
+float plane_fraction(int k, int count) {
+    return float(k + 1) / float(count + 1);
 }
 
-// [own]  As `sides`, for the planes across x, y and z through one point: (left of each, right of each) as 0 or 1.
-mat2x3 sides_of_middle(vec3 low, vec3 high, vec3 middle) {
-    vec3 right = vec3(greaterThan(high, middle));
-    return mat2x3(max(vec3(lessThan(low, middle)), 1.0 - right), right);
+// [own]  The planes across x, y and z at a fraction of a box. Several passes ask, and must get the same to the last bit.
+vec3 planes_at(vec3 low, vec3 high, float fraction) {
+    precise vec3 planes = low + fraction * (high - low);
+    return planes;
+}
+
+// [Mat 6]  What the two parts of a box cost that each of these planes makes, by the surface area heuristic, times half the
+// area of the box; `left` and `right` are the references in the parts. No plane parts a box that is flat across it.
+vec3 plane_costs(vec3 low, vec3 high, float fraction, vec3 left, vec3 right) {
+    vec3 e = high - low;
+    vec3 face = e.yzx * e.zxy;
+    vec3 rim = e * (e.yzx + e.zxy);
+    vec3 cost = left * (face + fraction * rim) + right * (face + (1.0 - fraction) * rim);
+    return mix(cost, vec3(3e38), vec3(lessThanEqual(e, vec3(0.0))));
+}
+
+// [own]  The unit vector of the axis along which a vector is least; x before y before z.
+vec3 least_axis(vec3 v) {
+    return v.x <= min(v.y, v.z) ? vec3(1.0, 0.0, 0.0) : v.y <= v.z ? vec3(0.0, 1.0, 0.0) : vec3(0.0, 0.0, 1.0);
+}
+
+// [own]  As `sides`, for the planes across x, y and z through one point, ready to be added up: 1 for left, 65536 for right.
+uvec3 side_counts(vec3 low, vec3 high, vec3 planes) {
+    uvec3 right = uvec3(greaterThan(high, planes));
+    return (uvec3(lessThan(low, planes)) | (1u - right)) + 65536u * right;
 }
 
 // [Zhou et al. 2008, section 3.1]  The plane that cuts off the widest empty side of a cell, of those wider than `share` of the
