@@ -14,6 +14,7 @@ _FORMATS = {
     "rgba16f": (GL.GL_RGBA16F, 8),
     "rgba32ui": (GL.GL_RGBA32UI, 16),
     "rg32ui": (GL.GL_RG32UI, 8),
+    "rg32i": (GL.GL_RG32I, 8),
     "r32ui": (GL.GL_R32UI, 4),
     "r32i": (GL.GL_R32I, 4),
 }
@@ -30,7 +31,7 @@ class TextureBuffer:
     ----------
     ctx : moderngl context, current
     data : initial content (array or bytes), or the size in bytes to reserve
-    format : texel format, one of rgba32f rg32f r32f rgba16f rgba32ui rg32ui r32ui r32i
+    format : texel format, one of rgba32f rg32f r32f rgba16f rgba32ui rg32ui rg32i r32ui r32i
     """
 
     def __init__(self, ctx: moderngl.Context, data, format: str = "rgba32f"):

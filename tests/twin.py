@@ -9,9 +9,20 @@ from glcloth import shader
 from glcloth.files import GLSL
 
 # Of std430 arrays, in 4-byte words.
-STRIDE = {"float": 1, "int": 1, "uint": 1, "vec2": 2, "vec3": 4, "vec4": 4, "uvec2": 2, "uvec3": 4, "mat3": 12}
-SIZE = {"float": 1, "int": 1, "uint": 1, "vec2": 2, "vec3": 3, "vec4": 4, "uvec2": 2, "uvec3": 3, "mat3": 9}
-_FUNCTION = re.compile(r"^(float|int|uint|vec[234]|uvec[23]|mat3)\s+(\w+)\s*\(([^)]*)\)\s*\{", re.M)
+STRIDE = {
+    "float": 1,
+    "int": 1,
+    "uint": 1,
+    "vec2": 2,
+    "vec3": 4,
+    "vec4": 4,
+    "uvec2": 2,
+    "uvec3": 4,
+    "uvec4": 4,
+    "mat3": 12,
+}
+SIZE = {"float": 1, "int": 1, "uint": 1, "vec2": 2, "vec3": 3, "vec4": 4, "uvec2": 2, "uvec3": 3, "uvec4": 4, "mat3": 9}
+_FUNCTION = re.compile(r"^(float|int|uint|vec[234]|uvec[234]|mat3)\s+(\w+)\s*\(([^)]*)\)\s*\{", re.M)
 
 
 def functions(path):

@@ -15,7 +15,7 @@ from ..mesh import Mesh
 from ..raster import GBuffer
 from .scene_buffers import SceneBuffers
 from .settings import Shadows as Mode
-from .visibility import FEWEST, VertexVisibility, broad_number, sun_number
+from .visibility import FEWEST, VertexVisibility, broad_number, sun_number, top_number
 
 SEEN_UNIT = 2
 SEEN_ALL, SEEN_PIXELS = "passes/seen_all.glsl", "passes/seen_pixels.glsl"
@@ -85,8 +85,13 @@ class Shadows:
         """Fill the layers of what the pixels of a G-buffer see, as it is drawn now; nothing when they hold just that."""
         lights = self._lights
         full = self._mode == "full"
-        self._numbers = broad_number(len(lights.gaussians)), sun_number(len(lights.gaussians))
-        sun_layer = self._numbers[1] // 4
+        count = len(lights.gaussians)
+        self._numbers = {
+            "top_number": top_number(count),
+            "broad_number": broad_number(count),
+            "sun_number": sun_number(count),
+        }
+        sun_layer = self._numbers["sun_number"] // 4
         self.integrate(method)
         seen = buffer.reserve_seen(sun_layer + -(-len(lights.suns) // 4))
         self._seen = seen
@@ -123,9 +128,7 @@ class Shadows:
         """Bind what passes/seen_pixels.glsl reads of the G-buffer that was looked at last."""
         albedo = self.albedo(fabric, shared) if self._mode == "full" and self._bounce else np.zeros(3)
         self._seen.use(SEEN_UNIT)
-        shader.set_uniforms(
-            program, broad_number=self._numbers[0], sun_number=self._numbers[1], albedo=tuple(map(float, albedo))
-        )
+        shader.set_uniforms(program, **self._numbers, albedo=tuple(map(float, albedo)))
 
     # -- how much a fabric reflects ----------------------------------------------------------------------------------
 

@@ -17,8 +17,9 @@ from .probes import Probes, place_probes
 
 DIRECTIONS = 256
 WORD = 32
+MOST_CLASSES = 8
 FEWEST = 16  # directions of each probe that must be traced before there is a mean
-BROAD = 12  # numbers of the broad light: four of the low band, four of the middle one, four times the top
+BROAD = 8  # numbers of the broad light beside the top: four of the low band, four of the middle one
 BROAD_FLOOR = 0.02  # of the broad light's mean is added to it everywhere
 BROAD_PART = 0.05  # of all light: about what one mean of the broad light is of
 NARROW = 30.0  # sharpness from which a Gaussian has directions of its own,
@@ -32,7 +33,7 @@ class VertexVisibility:
 
     `start` takes a mesh, `steps` traces (`done` says how many fixed directions of each probe are), `integrate` makes the
     means under some lights, which then lie in `means`: of each vertex front and back, of each side `groups` words of
-    four unorm8: V_0, V_1 .. V_K, a gap to the next whole word, and BROAD of the broad light.
+    four unorm8: V_0, V_1 .. V_K, the top of the broad light, a gap to the next whole word, and BROAD of its bands.
 
     Directions count by clamp(`steepness` cos, 0, 1): FLAT for cloth, COSINE for a Lambertian.
     """
@@ -52,7 +53,9 @@ class VertexVisibility:
         self._spread_data = TextureBuffer(ctx, 8, "rg32ui")
         self._bits = TextureBuffer(ctx, 4, "r32ui")
         self._entries = TextureBuffer(ctx, 16)
-        self._sums = TextureBuffer(ctx, 4, "r32ui")
+        self._ranges = TextureBuffer(ctx, 8, "rg32i")
+        self._least = TextureBuffer(ctx, 16)
+        self._sums = TextureBuffer(ctx, 16, "rgba32ui")
         self.means = TextureBuffer(ctx, 4, "r32ui")
         self._direction_data = TextureBuffer(ctx, 16 * DIRECTIONS)
         # As float32, so that the twin and the table see what the rays follow.
@@ -221,69 +224,64 @@ class VertexVisibility:
         tables = [self._table(c, lights, sharp) for c in range(self.classes)]
         first_broad = tables[0].shape[1] // 4
         self.groups = first_broad + (0 if broad is None else BROAD // 4)
-        words, P, V = 4 * self.groups, len(self.probes.points), self.probes.spread.shape[0]
-        self._sums.reserve(8 * words * P)
+        P, V = len(self.probes.points), self.probes.spread.shape[0]
+        self._sums.reserve(32 * self.groups * P)
         self.means.reserve(8 * self.groups * V)
-        entries, firsts = [], []
+        entries, ranges = [], []
+        begin = 0
         for directions, table in zip(self._traced, tables, strict=True):
-            first, one = _entries(directions[: len(table)], table)
-            firsts.append(first + sum(len(e) for e in entries))
-            entries.append(one)
+            for group in range(first_broad):
+                entries.append(_entries(directions[: len(table)], table[:, 4 * group : 4 * group + 4]))
+                ranges.append((begin, begin + len(entries[-1])))
+                begin = ranges[-1][1]
         self._entries.write(np.concatenate(entries))
-        program = self._program("mean")
-        for unit, buffer in enumerate((self._bits, self._entries, self._probe_data), 9):
+        self._ranges.write(np.array(ranges, "i4"))
+        for unit, buffer in enumerate((self._bits, self._entries, self._probe_data, self._ranges), 9):
             buffer.bind(unit)
         self._sums.buffer.bind_to_storage_buffer(0)
-        for c, first in enumerate(firsts):
-            for group in range(first_broad):
-                self._run(
-                    program,
-                    *self.probes.first[c : c + 2],
-                    group=group,
-                    group_count=self.groups,
-                    steepness=self.steepness,
-                    first=tuple(map(int, first[4 * group : 4 * group + 4])),
-                    last=tuple(map(int, first[4 * group + 1 : 4 * group + 5])),
-                )
+        self._run_classes("mean", first_broad, group_count=self.groups, steepness=self.steepness)
+        self.ctx.memory_barrier()
         sums = sum(table.sum(0) for table in tables)
         if broad is not None:
             there = self._sum_broad(lights, broad, first_broad)
             sums = np.append(sums, np.full(BROAD, BROAD_PART * there))
-        self.ctx.memory_barrier()
-        least = np.where(sums > 0.0, LEAST * sums, 1.0).reshape(-1, 4)
+            sums[top_number(len(lights.gaussians))] = BROAD_PART * there
+            self.ctx.memory_barrier()
+        self._least.write(np.where(sums > 0.0, LEAST * sums, 1.0).astype("f4"))
         program = self._program("spread")
-        for unit, buffer in enumerate((self._sums, self._row_data, self._spread_data), 9):
+        for unit, buffer in enumerate((self._sums, self._row_data, self._spread_data, self._least), 9):
             buffer.bind(unit)
         self.means.buffer.bind_to_storage_buffer(0)
-        for group in range(self.groups):
-            self._run(program, 0, V, group=group, group_count=self.groups, least=tuple(map(float, least[group])))
+        shader.set_uniforms(program, last_item=V, group_count=self.groups)
+        program.run(-(-V // 64), self.groups)
         self.ctx.memory_barrier()
         self._lights, self._state = lights, state
         self.version += 1
 
     def _sum_broad(self, lights: Lights, broad: np.ndarray, first_broad: int) -> float:
-        """Sum what the probes see of the broad light; returns how much of it there is, over all directions."""
+        """Sum what the probes see of the broad light; returns how much of it there is, over the traced directions."""
         gaussians = lights.gaussians
         light = SphericalGaussians(gaussians.axis, gaussians.sharpness, gaussians.amplitude * broad[:, None])
         weight = luminance(np.maximum(light.radiance(self.directions), 0.0))
         # Where there is no such light, V still goes on smoothly from where there is.
-        weight = (weight + BROAD_FLOOR * weight.mean() + 1e-30) / (weight.max() + 1e-30)
+        weight += BROAD_FLOOR * weight.mean() + 1e-30
+        used = weight[: self.classes * self.share].reshape(self.classes, self.share)[:, : self.done]
+        weight /= weight.max()
         records = np.zeros((DIRECTIONS, 4), "f4")
         records[:, :3], records[:, 3] = self.directions, weight
         self._light_data.write(records)
-        program = self._program("broad")
         for unit, buffer in enumerate((self._bits, self._light_data, self._probe_data, self._x_data), 9):
             buffer.bind(unit)
-        for c in range(self.classes):
-            self._run(
-                program,
-                *self.probes.first[c : c + 2],
-                group=first_broad,
-                group_count=self.groups,
-                first_direction=c * self.share,
-                direction_count=self.done,
-            )
-        return float(weight.sum())
+        self._run_classes(
+            "broad",
+            1,
+            group=first_broad,
+            top_number=top_number(len(gaussians)),
+            group_count=self.groups,
+            share=self.share,
+            direction_count=self.done,
+        )
+        return float(used.sum())  # a view: scaled, too
 
     def _table(self, c: int, lights: Lights, sharp: bool) -> np.ndarray:
         """What the traced directions [n] of a class weigh in each number of `means` before the broad light's."""
@@ -336,6 +334,13 @@ class VertexVisibility:
             shader.set_uniforms(program, first_item=int(begin), last_item=int(end), probe_count=probes, **uniforms)
             program.run(-(-int(end - begin) // 64))
 
+    def _run_classes(self, stage: str, layers: int, **uniforms) -> None:
+        """Run a program for all probes of all classes, `layers` times."""
+        program, first = self._program(stage), self.probes.first
+        padded = np.append(first, np.repeat(first[-1:], MOST_CLASSES + 1 - len(first)))
+        shader.set_uniforms(program, first_probe=[int(n) for n in padded], probe_count=int(first[-1]), **uniforms)
+        program.run(-(-int(np.diff(first).max()) // 64), self.classes, layers)
+
     def release(self) -> None:
         """Free the GPU's memory."""
         buffers = (
@@ -346,15 +351,22 @@ class VertexVisibility:
             self._spread_data,
             self._bits,
             self._entries,
+            self._ranges,
+            self._least,
             self._direction_data,
         )
         for thing in (*buffers, self._sums, self.means, self._queries, *self._programs.values()):
             thing.release()
 
 
+def top_number(gaussians: int) -> int:
+    """The number of the broad light's mean at the top, after those of so many Gaussians."""
+    return 1 + gaussians
+
+
 def broad_number(gaussians: int) -> int:
-    """The number of the first of the broad light's means, after those of so many Gaussians."""
-    return -(-(1 + gaussians) // 4) * 4
+    """The number of the first of the broad light's means in the bands."""
+    return -(-(2 + gaussians) // 4) * 4
 
 
 def sun_number(gaussians: int) -> int:
@@ -362,12 +374,9 @@ def sun_number(gaussians: int) -> int:
     return broad_number(gaussians) + BROAD
 
 
-def _entries(directions: np.ndarray, table: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Per column of a table the directions that count: where those of a column begin [>= columns + 1], and for each the
-    direction and its number + G / 2, [E, 4] float32. Columns beyond the table's have none."""
-    column, number = np.nonzero(table.T)
-    entries = np.empty((len(column), 4), "f4")
-    entries[:, :3] = directions[number]
-    entries[:, 3] = number + 0.5 * table[number, column]
-    first = np.searchsorted(column, np.arange(table.shape[1] + 8))
-    return first.astype(int), entries
+def _entries(directions: np.ndarray, table: np.ndarray) -> np.ndarray:
+    """The directions that count for four columns of a table: [E, 8] float32, each with its number and what it weighs."""
+    number = np.flatnonzero(table.any(1))
+    entries = np.empty((len(number), 8), "f4")
+    entries[:, :3], entries[:, 3], entries[:, 4:] = directions[number], number, table[number]
+    return entries

@@ -124,3 +124,20 @@ def mean_visibility(bits, N, directions, table, steepness=8.0):
 def bounced(L, albedo, V_0):
     """One diffuse bounce: what hides the light is cloth of that albedo, lit about as the point itself.   [own]"""
     return np.asarray(L, float) * (1.0 + np.asarray(albedo, float) * (1.0 - np.asarray(V_0, float)[..., None]))
+
+
+def packed_sums(seen, all):
+    """Words of what is seen and what there is (>= 0): the share of it in 16 bits, below a float32 cut to as many.   [own]"""
+    seen, all = np.asarray(seen, "f4"), np.asarray(all, "f4")
+    share = np.where(all > 1e-30, seen / np.maximum(all, np.float32(1e-30)), np.float32(1.0))
+    return (65535 * share + 0.5).astype("u4") | (all.view("u4") + np.uint32(0x8000) & np.uint32(0xFFFF0000))
+
+
+def all_of_sums(sums):
+    """What there is of such words.   [own]"""
+    return (np.asarray(sums, "u4") & np.uint32(0xFFFF0000)).view("f4").astype(float)
+
+
+def seen_of_sums(sums):
+    """65535 times what is seen.   [own]"""
+    return all_of_sums(sums) * (np.asarray(sums, "u4") & np.uint32(0xFFFF))

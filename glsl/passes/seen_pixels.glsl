@@ -1,9 +1,10 @@
 // What the pixel that is being shaded sees of each light: "seen.glsl" of a program with shadows.
 #include "trace/visibility.glsl"
-// Four values a texel; numbered through they are V_0, V_1 .. V_K, then from a whole texel on those of the broad light (four
-// of the low band, four of the middle one, the top), then the suns.
+// Four values a texel; numbered through they are V_0, V_1 .. V_K, the top of the broad light, then from a whole
+// texel on the rest of it (four of the low band, four of the middle one), then the suns.
 layout(binding = 2) uniform sampler2DArray seen;
-uniform int broad_number;  // of the first of the broad light's, a multiple of 4
+uniform int top_number;
+uniform int broad_number;  // of the low band's first, a multiple of 4
 uniform int sun_number;    // of the first sun, likewise
 uniform vec3 albedo;       // of the fabric, bihemispherical
 ivec2 seen_from;
@@ -13,14 +14,6 @@ int four;
 
 vec4 V_texel(int layer) { return texelFetch(seen, ivec3(seen_from, layer), 0); }
 
-void look_from(ivec2 pixel) {
-    seen_from = pixel;
-    V_low = V_texel(broad_number >> 2);
-    V_middle = V_texel((broad_number >> 2) + 1);
-    V_top = V_texel((broad_number >> 2) + 2).x;
-    four = -1;
-}
-
 // Consecutive numbers share a texel, which is fetched once.
 float V_number(int n) {
     if (n >> 2 != four) {
@@ -29,6 +22,14 @@ float V_number(int n) {
     }
     vec2 pair = (n & 2) != 0 ? V_four.zw : V_four.xy;
     return (n & 1) != 0 ? pair.y : pair.x;
+}
+
+void look_from(ivec2 pixel) {
+    seen_from = pixel;
+    V_low = V_texel(broad_number >> 2);
+    V_middle = V_texel((broad_number >> 2) + 1);
+    four = -1;
+    V_top = V_number(top_number);
 }
 
 float V_gaussian(int k) { return V_number(1 + k); }

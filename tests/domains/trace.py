@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from glcloth.reference.visibility import packed_sums
+
 from . import between, choice, directions, directions_and_axes, vectors
 
 
@@ -23,6 +25,12 @@ def near(rng, count):
     return v
 
 
+def sum_words(rng, count):
+    """Words of `packed_sums`."""
+    there = 10.0 ** rng.uniform(-6, 3, (count, 4))
+    return packed_sums(rng.random((count, 4)) * there, there)
+
+
 DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}
 SPECIAL = {
     ("band_shares", "z"): between(-1.0, 1.0, 0.0, 0.4),
@@ -32,6 +40,11 @@ SPECIAL = {
     ("bounced", "L"): lambda rng, count: 10 * rng.random((count, 3)),
     ("bounced", "albedo"): lambda rng, count: rng.random((count, 3)),
     ("bounced", "V_0"): between(0.0, 1.0),
+    # More is seen than there is only where there is nothing.
+    ("packed_sums", "seen"): lambda rng, count: 1e-3 * rng.random((count, 4)) * (rng.random((count, 4)) < 0.8),
+    ("packed_sums", "all"): lambda rng, count: 10.0 ** rng.uniform(-3, 3, (count, 4)),
+    ("seen_of_sums", "sums"): sum_words,
+    ("all_of_sums", "sums"): sum_words,
     ("safe_inverse", "d"): directions_and_axes,
     ("slab", "o"): vectors(3.0),
     ("slab", "inv_d"): lambda rng, count: 1 / np.where(np.abs(d := directions(rng, count)) < 1e-3, 1e-3, d),
@@ -93,6 +106,8 @@ SPECIAL = {
     ("clipped_box", "side"): choice(-1.0, 1.0),
 }
 TOLERANCE = {
+    # Words are compared as numbers: the last bit of a share.
+    "packed_sums": (1e-7, 1.0),
     # 1 / d is up to 1e3, and low - o cancels to 1e-7.
     "slab": (3e-5, 3e-4),
     # t, v and w are divided by the determinant, which is small for triangles seen edge-on.
