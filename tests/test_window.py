@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
+HANG = 3600  # seconds, against waiting for ever; what is slow takes as long as it takes
 DRIVER = ROOT / "tests" / "window_driver.py"
 
 
@@ -34,7 +35,7 @@ def display():
 def drive(display, *arguments, script=DRIVER):
     env = {**os.environ, "DISPLAY": display, "PYTHONPATH": str(ROOT)}
     run = subprocess.run(
-        [sys.executable, script, *arguments], env=env, cwd=ROOT, capture_output=True, text=True, timeout=300
+        [sys.executable, script, *arguments], env=env, cwd=ROOT, capture_output=True, text=True, timeout=HANG
     )
     assert run.returncode == 0, run.stderr[-3000:]
     return json.loads(run.stdout.splitlines()[-1])

@@ -6,6 +6,7 @@ DISPLAY=:1 python tests/window_driver.py rates           # how often input is he
 DISPLAY=:1 python tests/window_driver.py monkey 1000     # random actions: memory and GL objects before and after
 """
 
+import itertools
 import json
 import resource
 import subprocess
@@ -17,6 +18,7 @@ from pathlib import Path
 
 import glfw
 import numpy as np
+from imgui_bundle import imgui
 from OpenGL import GL
 
 from glcloth.curtain.cloth import CurtainParameters
@@ -29,34 +31,48 @@ from glcloth.window import curve, orbit, sharing
 from glcloth.window.app import App
 from glcloth.window.controls import controls, curtain_controls
 
+HANG = 600.0  # CPU seconds of waiting, after which it hangs
 
-def settle(app, limit=30.0):
-    """Step until the picture is complete."""
-    app._heard()
-    end, steps = time.monotonic() + limit, 0
-    while time.monotonic() < end:
-        if steps > 3 and not app.busy and not app.pending and app.shows_something:
-            return
+
+def until(app, done, what="what was waited for"):
+    """Step until `done()`; gives up after CPU seconds of this process, which no other program's load counts into."""
+    begin = time.process_time()
+    while not done():
+        if time.process_time() - begin > HANG:
+            raise TimeoutError(f"{what} does not come")
         glfw.post_empty_event()
         app.step()
-        steps += 1
-    raise TimeoutError("the picture does not settle")
 
 
-def during(app, *commands):
-    """Step while xdotool sends events."""
+def settle(app):
+    """Step until the picture is complete."""
+    app._heard()
+    steps = itertools.count()
+    until(app, lambda: next(steps) > 3 and not app.busy and not app.pending and app.shows_something, "the picture")
+
+
+def during(app, *commands, wait=True):
+    """Step while xdotool sends events, and until all of them are taken; then, unless told not to `wait`, settle."""
 
     def send():
         for command in commands:
             subprocess.run(["xdotool", *map(str, command)], check=True)
-            time.sleep(0.04)
+            time.sleep(0.03)
 
     thread = threading.Thread(target=send)
     thread.start()
-    while thread.is_alive():
-        glfw.post_empty_event()
+    until(app, lambda: not thread.is_alive(), "xdotool's end")
+    glfw.get_cursor_pos(app.host.window)  # asks the server, which answers after the events that it has sent
+    app._heard()
+    for _ in range(2):
         app.step()
-    settle(app)
+    # imgui takes them one after the other, some only at the next picture.
+    queue = imgui.get_current_context().input_events_queue
+    until(app, lambda: queue.size() == 0, "the last event")
+    app._heard()
+    app.step()
+    if wait:
+        settle(app)
 
 
 def distance(app):
@@ -240,14 +256,14 @@ def rates(seconds=4.0):
     app.step()
     hear("reference refines")
     app.session.edit_scene(method="direct")
-    settle(app, 60.0)
+    settle(app)
     out["latency"] = latency(app)
     app.session.edit_scene(shadows="off")
     settle(app)
     hear("orbit, no shadows", lambda k: app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0)))
     out["latency, no shadows"] = latency(app)
     app.session.choose_mode("curtain")
-    settle(app, 60.0)
+    settle(app)
     app.toggle_play()
     hear("curtain plays")
     app.toggle_tree()
@@ -288,9 +304,18 @@ def latency(app, times=8):
 
 
 def gl_objects():
-    """How many names of textures, buffers, programs and framebuffers are alive."""
-    kinds = {"textures": GL.glIsTexture, "buffers": GL.glIsBuffer, "framebuffers": GL.glIsFramebuffer}
-    return {name: sum(bool(alive(i)) for i in range(1, 6000)) for name, alive in kinds.items()}
+    """How many names of textures, buffers and framebuffers are alive. Names are not used again: all are asked for."""
+    kinds = {
+        "textures": (GL.glGenTextures, GL.glIsTexture, GL.glDeleteTextures),
+        "buffers": (GL.glGenBuffers, GL.glIsBuffer, GL.glDeleteBuffers),
+        "framebuffers": (GL.glGenFramebuffers, GL.glIsFramebuffer, GL.glDeleteFramebuffers),
+    }
+    counts = {}
+    for kind, (make, alive, delete) in kinds.items():
+        last = make(1)
+        counts[kind] = sum(bool(alive(name)) for name in range(1, int(last)))
+        delete(1, [last])
+    return counts
 
 
 def memory_mb():
@@ -355,11 +380,11 @@ def rest(app):
         app.toggle_play()
     session.edit_curtain(accelerator="kdtree", depth=4, spp=1)
     session.hang(**{name: getattr(CurtainParameters(), name) for name in ("wind", "fullness")})
-    settle(app, 120.0)
+    settle(app)
     session.choose_mode("cloth")
     session.edit_scene(method="direct", shadows="off", adaptive=False, mesh="sphere", env="studio", spp=1)
     session.choose_fabric("linen")
-    settle(app, 120.0)
+    settle(app)
 
 
 def curtain_actions(app, rng, pick):
@@ -397,15 +422,15 @@ def touch_everything(app):
         {"quality": "high", "spp": 1},
     ):
         session.edit_scene(**changes)
-        settle(app, 120.0)
+        settle(app)
     session.compare("difference")
     settle(app)
     session.choose_mode("curtain")
-    settle(app, 120.0)
+    settle(app)
     app.toggle_tree()
     for name in ("kdtree", "lbvh", "brute"):
         session.edit_curtain(accelerator=name, depth=8, spp=2)
-        settle(app, 120.0)
+        settle(app)
 
 
 def monkey(count):

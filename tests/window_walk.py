@@ -6,7 +6,6 @@ DISPLAY=:1 python tests/window_walk.py FOLDER newcomer MAP     # a new user's pa
 
 import json
 import os
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -14,7 +13,7 @@ from pathlib import Path
 import glfw
 import numpy as np
 from imgui_bundle import imgui, implot
-from window_driver import distance, during, settle
+from window_driver import distance, during, settle, until
 
 from glcloth.image import write_image
 from glcloth.scene import Scene
@@ -78,7 +77,7 @@ class Hand:
         return round(x0 + share * (x1 - x0)), round((y0 + y1) / 2)
 
     def do(self, *commands, wait=True):
-        (during if wait else play)(self.app, *commands)
+        during(self.app, *commands, wait=wait)
 
     def click(self, label, share=0.5, **options):
         self.do(["mousemove", *self.at(label, share)], ["click", 1], **options)
@@ -90,12 +89,8 @@ class Hand:
         self.do(["mousemove", x, y], ["mousedown", 1], *steps, ["mouseup", 1], **options)
 
     def type(self, text):
-        """Type a text and Return; imgui takes one key a picture."""
-        self.do(["type", "--delay", "5", text], ["key", "Return"], wait=False)
-        for _ in range(2 * len(text) + 10):
-            self.app._heard()
-            self.app.step()
-        settle(self.app)
+        """Type a text and Return."""
+        self.do(["type", "--delay", "5", text], ["key", "Return"])
 
     def keep(self, name):
         """Save what the window shows."""
@@ -106,29 +101,10 @@ class Hand:
         write_image(self.folder / f"{self.count:02d}_{name}.png", linear(pixels))
         return pixels
 
-    def run(self, seconds):
-        """Let the window go on."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
-            self.app.step()
-
-
-def play(app, *commands):
-    """Step while xdotool sends events; does not wait for the picture."""
-    import threading
-
-    def send():
-        for command in commands:
-            subprocess.run(["xdotool", *map(str, command)], check=True)
-            time.sleep(0.03)
-
-    thread = threading.Thread(target=send)
-    thread.start()
-    while thread.is_alive():
-        app.step()
-    for _ in range(4):
-        app._heard()
-        app.step()
+    def frames(self, count):
+        """Let the curtain play on by so many frames."""
+        end = self.app.frame + count
+        until(self.app, lambda: self.app.frame >= end, f"frame {end}")
 
 
 def linear(pixels):
@@ -212,9 +188,9 @@ def walk(folder, size):
     hand.click("Curtain", 0.2)
     still = hand.keep("curtain")
     hand.do(["mousemove", *middle], ["key", "space"], wait=False)
-    hand.run(2.0)
+    hand.frames(12)
     moved = hand.keep("curtain_playing")
-    out["played"] = app.player.playing and app.frame > 3
+    out["played"] = app.player.playing and app.frame >= 12
     out["played_seen"] = changed(still, moved, app)
     hand.drag("wind", 0.3, 0.55, wait=False)
     out["wind"] = app.session.curtain.curtain.wind
@@ -222,12 +198,12 @@ def walk(folder, size):
     out["openness"] = app.session.curtain.fabric.transmission.openness
     out["still_playing"] = app.player.playing
     hand.do(["mousemove", *middle], ["key", "t"], wait=False)
-    hand.run(2.0)
+    until(app, lambda: app.tree.boxes > 100, "the tree's first picture")
     first = app.tree.frame
-    hand.run(2.0)
+    until(app, lambda: app.tree.frame > first, "its next frame")
     write_image(folder / "tree_playing.png", linear(app.tree.pixels()))
     # How far it lags depends on the machine; it leaves out frames rather than holding the curtain up.
-    out["tree"] = [app.tree.boxes > 100, first < app.tree.frame <= app.frame]
+    out["tree"] = [app.tree.boxes > 100, app.tree.frame <= app.frame]
     hand.do(["mousemove", *middle], ["key", "space"])
     hand.keep("curtain_paused")
     out["paused"] = not app.player.playing and app.drawer.sides[0].share == 1.0
