@@ -47,7 +47,10 @@ class Slices:
         try:
             while True:
                 begin = time.perf_counter()
+                answering = self.previewing
                 changed |= next(self._plan)
+                if answering and changed:
+                    return True  # the answer is shown before anything else is drawn
                 now = time.perf_counter()
                 # The next slice is likely as long as this one; it must end in time too.
                 if now + self.caution * (now - begin) >= self._until:
