@@ -68,6 +68,14 @@ def test_both_sides_of_a_comparison_are_refined(done):
     assert done["sides"] == [1.0, 1.0]
 
 
+def test_dropped_files_are_opened(display):
+    done = drive(display, "drops")
+    assert done["fabric"] == [True, "Mine"] and done["mesh"] == [True, True] and done["light"] == [True, 1.0]
+    assert done["lights"] == [True, 1] and done["picture"] == [True, True]
+    assert done["two"] == [True, "Mine", "a ball.obj"] and done["gl_error"] == "GL_NO_ERROR"
+    assert done["wrong"] == 5 * [["error", True, True]], "one line each, and all stays as it was"
+
+
 @pytest.fixture(scope="module")
 def curtain(display):
     return drive(display, "curtain")

@@ -2,6 +2,7 @@
 
 DISPLAY=:1 python tests/window_driver.py events          # orbit, wheel, keys, panels, files
 DISPLAY=:1 python tests/window_driver.py curtain         # the curtain: frames, live changes, files, trees
+DISPLAY=:1 python tests/window_driver.py drops           # files dropped on the window
 DISPLAY=:1 python tests/window_driver.py rates           # how often input is heard, how long pictures take
 DISPLAY=:1 python tests/window_driver.py monkey 1000     # random actions: memory and GL objects before and after
 """
@@ -20,11 +21,16 @@ import glfw
 import numpy as np
 from imgui_bundle import imgui
 from OpenGL import GL
+from xdnd import Source
 
 from glcloth.curtain.cloth import CurtainParameters
 from glcloth.curtain.show import CurtainScene, CurtainShow
 from glcloth.errors import InputError
-from glcloth.fabric import Transmission
+from glcloth.fabric import Transmission, load_fabric, save_fabric
+from glcloth.image import write_image
+from glcloth.lights import Lights, SphericalGaussians
+from glcloth.lights_file import save_lights
+from glcloth.mesh import load_mesh, save_mesh
 from glcloth.renderer import METHODS, Renderer
 from glcloth.scene import Scene, load_scene
 from glcloth.window import curve, orbit, sharing
@@ -144,6 +150,50 @@ def events(folder):
             bool(np.array_equal(renderer.render(edited_scene), edited)),
             bool(np.array_equal(renderer.render(load_scene(folder / "p.png")), edited)),
         ]
+    return out
+
+
+def drop(app, *paths):
+    """Drop files on the window, by the protocol of X11's desktops; whether the window took them."""
+    x, y = glfw.get_window_pos(app.host.window)
+    source = Source(glfw.get_x11_window(app.host.window), paths, x + 40, y + 40)
+    source.start()
+    until(app, lambda: not source.is_alive(), "the end of the drop")
+    settle(app)
+    return source.accepted
+
+
+def drops(folder):
+    """Every kind of file dropped, and some that are none."""
+    app = App(Scene(size=(120, 96), mesh="plane", env="studio"))
+    session, out = app.session, {}
+    settle(app)
+    first = app.session.scene
+    picture, fabric, mesh, light, lights = (
+        folder / name for name in ("ours é.png", "mine 100%.toml", "a ball.obj", "light #1.hdr", "few.json")
+    )
+    app.files.save_picture(str(picture))
+    save_fabric(fabric, load_fabric("linen").changed(name="Mine"))
+    save_mesh(mesh, load_mesh("sphere"))
+    light.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n" + bytes([128, 128, 128, 129]) * 32)
+    save_lights(lights, Lights(SphericalGaussians(((0.0, 1.0, 0.0),), (3.0,), ((1.0, 1.0, 1.0),))))
+    out["fabric"] = drop(app, fabric), session.fabric.name
+    out["mesh"] = drop(app, mesh), app.frames[0].mesh.positions.shape == load_mesh("sphere").positions.shape
+    out["light"] = drop(app, light), float(app.frames[0].environment.radiance.max())
+    out["lights"] = drop(app, lights), len(app.frames[0].lights.gaussians)
+    before = session.document
+    (folder / "text.txt").write_text("nothing")
+    (folder / "bad.obj").write_text("nothing")
+    write_image(folder / "other.png", np.zeros((4, 4, 3), "f4"))
+    out["wrong"] = []
+    for name in ("text.txt", "bad.obj", "other.png", "gone.exr", ""):
+        drop(app, folder / name)
+        kind, text = app.messages[-1]
+        out["wrong"].append([kind, (folder / name).name in text and "\n" not in text, session.document == before])
+    out["picture"] = drop(app, picture), session.scene.model_copy(update={"camera": first.camera}) == first
+    out["two"] = drop(app, fabric, mesh), session.fabric.name, Path(session.scene.mesh).name
+    out["gl_error"] = app.ctx.error
+    app.close()
     return out
 
 
@@ -466,4 +516,4 @@ if __name__ == "__main__":
         print(json.dumps(rates(), indent=1))
     else:
         with tempfile.TemporaryDirectory() as scratch:
-            print(json.dumps({"events": events, "curtain": curtain}[sys.argv[1]](Path(scratch))))
+            print(json.dumps({"events": events, "curtain": curtain, "drops": drops}[sys.argv[1]](Path(scratch))))
