@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import sys
 import time
 from contextlib import ExitStack
@@ -40,6 +41,16 @@ class SceneOptions:
 
     fabric: Annotated[str | None, Parameter(help="Built-in fabric or a .toml file.")] = None
     mesh: Annotated[str | None, Parameter(help="Built-in mesh or a file (.obj .ply .glb .gltf).")] = None
+    objects: Annotated[
+        list[str] | None,
+        Parameter(
+            name="--object", negative="", help="Mesh that stands by the cloth, matt, in its own colours; repeatable."
+        ),
+    ] = None
+    ground: Annotated[
+        str | None, Parameter(help="Ground: a height in metres; alone or auto: just under the lowest point; or off.")
+    ] = None
+    ground_color: Annotated[str | None, Parameter(help="R,G,B of the ground, linear, 0 to 1.")] = None
     env: Annotated[str | None, Parameter(help="Built-in environment or an equirectangular .hdr or .exr file.")] = None
     env_rotate: Annotated[float | None, Parameter(help="Turn the environment about +Y, degrees.")] = None
     lobes: Annotated[str | None, Parameter(help="Spherical Gaussians of the environment, 1 to 64, or auto.")] = None
@@ -110,6 +121,8 @@ def _stored(scene) -> dict:
     for key in ("fabric", "mesh", "env", "lights", "room"):
         if isinstance(data.get(key), str) and data[key] and Path(data[key]).is_file():
             data[key] = str(Path(data[key]).resolve())
+    if data.get("objects"):
+        data["objects"] = [str(Path(name).resolve()) if Path(name).is_file() else name for name in data["objects"]]
     return data
 
 
@@ -493,9 +506,23 @@ def bench_curtain(
     _print(json, result, "  ".join(f"{key} {result[key]}" for key in keys if key in result))
 
 
+def _with_heights(arguments: list[str]) -> list[str]:
+    """The arguments with each --ground and its height in one, `auto` where none follows."""
+    out: list[str] = []
+    waiting = False
+    for argument in arguments:
+        given = waiting and re.fullmatch(r"auto|off|[-+]?(\.?\d.*|nan|inf)", argument)
+        if waiting:
+            out.append("--ground=" + (argument if given else "auto"))
+        waiting = argument == "--ground"
+        if not given and not waiting:
+            out.append(argument)
+    return [*out, "--ground=auto"] if waiting else out
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run one command. Exit 0 done, 1 a fault of ours, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C."""
-    arguments = sys.argv[1:] if arguments is None else arguments
+    arguments = _with_heights(sys.argv[1:] if arguments is None else arguments)
     hear_ctrl_c()
     try:
         app(arguments, exit_on_error=False, print_error=False)

@@ -21,14 +21,16 @@ import numpy as np
 import trimesh
 
 from . import shapes
+from .color import srgb_decode
 from .errors import InputError
 from .files import PACKAGE, atomic_write
-from .obj import read_obj, split_vertices
+from .obj import read_obj, read_obj_and_mtl, split_vertices
 from .progress import warn
 
 MESHES = PACKAGE / "meshes"
 BUILTIN_MESHES = ("drape", "sphere", "plane", "cylinder")
 MESH_SUFFIXES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
+GREY = 0.5  # reflectance of an object whose file tells of no colour
 LARGEST = 1e9  # beyond it float32 leaves no digits for a cloth
 SAVE_SUFFIXES = (".ply", ".obj", ".glb")
 
@@ -94,9 +96,27 @@ def load_mesh(name_or_path: str | Path) -> Mesh:
     their transforms. Raises InputError for an unknown name or suffix and for a file that is missing, damaged, or holds
     no triangles, numbers that are not finite, or indices out of range.
     """
+    mesh, _ = _load(name_or_path, False)
+    if mesh.uv is None:
+        warn(
+            f"{name_or_path}: no usable UVs, so yarn 1 follows a projected world axis; add UVs to lay the cloth yourself"
+        )
+    return mesh
+
+
+def load_solid(name_or_path: str | Path) -> tuple[Mesh, np.ndarray]:
+    """Load a mesh as `load_mesh` does, as an object that is no cloth, and the diffuse reflectance [T, 3] (linear) of its
+    triangles: Kd of an OBJ's materials, the base colour of a glTF's, a PLY's colours, else GREY. Raises InputError as
+    `load_mesh`, and for materials that are missing or damaged."""
+    return _load(name_or_path, True)
+
+
+def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | None]:
+    """A mesh and, if asked for, the reflectances [T, 3] of its triangles."""
     path = Path(name_or_path)
     if str(name_or_path) in BUILTIN_MESHES and path.parent == Path("."):
-        return _builtin(str(name_or_path))
+        mesh = _builtin(str(name_or_path))
+        return mesh, np.full((len(mesh.triangles), 3), GREY, np.float32)
     if not path.suffix and not path.exists():
         close = difflib.get_close_matches(str(name_or_path), BUILTIN_MESHES, 1)
         hint = f"did you mean {close[0]}?" if close else f"built in are {', '.join(BUILTIN_MESHES)}; or give a file"
@@ -116,14 +136,16 @@ def load_mesh(name_or_path: str | Path) -> Mesh:
         raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
     if not blob.strip():
         raise InputError(f"{path}: the file is empty; export the mesh again")
+    if suffix == ".obj" and colored:
+        data, reflectances = read_obj_and_mtl(path, GREY)
+        colors = reflectances[data.material]
+    elif suffix == ".obj":
+        data, colors = read_obj(blob.decode("utf-8", errors="replace"), str(path)), None
     if suffix == ".obj":
-        data = read_obj(blob.decode("utf-8", errors="replace"), str(path))
-        mesh = build_mesh(path.stem, data.positions, data.triangles, data.uv, data.normals, where=str(path))
+        arrays = data.positions, data.triangles, data.uv, data.normals
     else:
-        mesh = build_mesh(path.stem, *_read_with_trimesh(path), where=str(path))
-    if mesh.uv is None:
-        warn(f"{path}: no usable UVs, so yarn 1 follows a projected world axis; add UVs to lay the cloth yourself")
-    return mesh
+        *arrays, colors = _read_with_trimesh(path, colored)
+    return build_mesh(path.stem, *arrays, where=str(path)), colors
 
 
 def load_view(name: str) -> dict | None:
@@ -133,19 +155,20 @@ def load_view(name: str) -> dict | None:
 
 def _builtin(name: str) -> Mesh:
     if name == "drape":
-        return build_mesh(name, *_read_with_trimesh(MESHES / "drape.ply"), where=name)
+        return build_mesh(name, *_read_with_trimesh(MESHES / "drape.ply")[:4], where=name)
     positions, triangles, uv, normals = getattr(shapes, name)()
     return build_mesh(name, positions, triangles, uv, normals)
 
 
-def _read_with_trimesh(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray | None, np.ndarray | None]:
-    """Return (positions, triangles, uv or None, normals or None) of all geometries of a file, in the world frame."""
+def _read_with_trimesh(path: Path, colored: bool = False) -> tuple[np.ndarray | None, ...]:
+    """Return (positions, triangles, uv or None, normals or None, reflectances [T, 3] if asked for) of all geometries of a
+    file, in the world frame."""
     try:
         # trimesh warns of what it can mend (missing textures, say); what it cannot raises errors of any type.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             scene = trimesh.load_scene(path, process=False, fix_texture=not _ply_has_vertex_uv(path))
-            parts = [_part(scene, node) for node in scene.graph.nodes_geometry]
+            parts = [_part(scene, node, colored) for node in scene.graph.nodes_geometry]
     except InputError:
         raise
     except Exception as error:
@@ -157,7 +180,7 @@ def _read_with_trimesh(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray |
         raise InputError(f"{path}: holds no triangles; export it with its faces")
     begins = np.cumsum([0] + [len(part[0]) for part in parts])
     triangles = []
-    for (positions, faces, _, _), begin in zip(parts, begins, strict=False):
+    for (positions, faces, *_), begin in zip(parts, begins, strict=False):
         if len(faces) and (faces.min() < 0 or faces.max() >= len(positions)):
             raise InputError(
                 f"{path}: a face names vertex {faces.max()}, out of range, it has {len(positions)}; export it again"
@@ -171,7 +194,8 @@ def _read_with_trimesh(path: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray |
             [np.full((len(part[0]), width), np.nan) if part[column] is None else part[column] for part in parts]
         )
 
-    return np.concatenate([part[0] for part in parts]), np.concatenate(triangles), joined(2, 2), joined(3, 3)
+    colors = np.concatenate([part[4] for part in parts]).astype(np.float32) if colored else None
+    return np.concatenate([part[0] for part in parts]), np.concatenate(triangles), joined(2, 2), joined(3, 3), colors
 
 
 def _ply_has_vertex_uv(path: Path) -> bool:
@@ -184,7 +208,7 @@ def _ply_has_vertex_uv(path: Path) -> bool:
     return any(pair <= names for pair in ({b"s", b"t"}, {b"u", b"v"}, {b"texture_u", b"texture_v"}))
 
 
-def _part(scene: trimesh.Scene, node: str) -> tuple | None:
+def _part(scene: trimesh.Scene, node: str, colored: bool) -> tuple | None:
     """Return one node's arrays in the world frame, or None if it is no surface."""
     world_from_part, name = scene.graph[node]
     geometry = scene.geometry[name]
@@ -205,7 +229,30 @@ def _part(scene: trimesh.Scene, node: str) -> tuple | None:
     # A mirroring transform turns triangles inside out; swapping two corners turns them back.
     if np.linalg.det(linear) < 0:
         faces = faces[:, ::-1]
-    return positions, faces, uv, normals
+    return positions, faces, uv, normals, _reflectances(geometry) if colored else None
+
+
+def _reflectances(geometry: trimesh.Trimesh) -> np.ndarray:
+    """Return the diffuse reflectance [F, 3], linear, of a geometry's faces; GREY where the file says nothing."""
+    count, visual = len(geometry.faces), geometry.visual
+    if not getattr(visual, "defined", False):
+        return np.full((count, 3), GREY)
+    if visual.kind == "face":
+        return srgb_decode(np.asarray(visual.face_colors)[:, :3] / 255.0)
+    if visual.kind == "vertex":
+        return srgb_decode(np.asarray(visual.vertex_colors)[:, :3] / 255.0)[geometry.faces].mean(1)
+    material = getattr(visual, "material", None)
+    if isinstance(material, trimesh.visual.material.PBRMaterial):
+        factor, texture = material.baseColorFactor, material.baseColorTexture
+        # A factor is linear, a texture's texels are not.
+        color = np.ones(3) if factor is None else np.asarray(factor, float)[:3] / 255.0
+        if texture is not None:
+            color = color * srgb_decode(np.asarray(texture.convert("RGB"), float) / 255.0).mean((0, 1))
+        elif factor is None:
+            color = np.full(3, GREY)
+    else:
+        color = srgb_decode(np.asarray(getattr(material, "main_color", [188, 188, 188]), float)[:3] / 255.0)
+    return np.tile(color, (count, 1))
 
 
 def build_mesh(

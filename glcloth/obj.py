@@ -8,6 +8,7 @@ of a whole object when one index is wrong, and either reorders vertices or blend
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -166,3 +167,28 @@ def read_mtl(text: str, where: str) -> dict[str, tuple[float, float, float]]:
                 raise InputError(f"{where}:{number}: `{line.strip()}`: expected three numbers from 0 to 1; change it")
             colors[name] = color
     return colors
+
+
+def read_obj_and_mtl(path: Path, grey: float) -> tuple[ObjData, np.ndarray]:
+    """Return an OBJ file's geometry and the reflectances [M, 3] float32 (Kd, linear) of its materials; all of them are
+    `grey` where it names no material file.
+
+    Raises InputError for a file that cannot be read or is damaged, a material file that is missing and a material that
+    it does not define.
+    """
+    try:
+        text = path.read_text(encoding="utf-8", errors="replace")
+        data = read_obj(text, str(path))
+        libraries = [line.split(maxsplit=1)[1].strip() for line in text.splitlines() if line.startswith("mtllib ")]
+        colors: dict[str, tuple[float, float, float]] = {}
+        for name in libraries:
+            library = path.parent / name
+            if not library.is_file():
+                raise InputError(f"{path}: names the material file {name}, which is not beside it; put it there")
+            colors |= read_mtl(library.read_text(encoding="utf-8", errors="replace"), str(library))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
+    missing = [name for name in data.materials if name and name not in colors] if libraries else []
+    if missing:
+        raise InputError(f"{path}: material `{missing[0]}` is not defined in {', '.join(libraries)}; define it there")
+    return data, np.array([colors.get(name, (grey,) * 3) for name in data.materials], np.float32)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
@@ -13,6 +14,7 @@ from .gpu import TextureBuffer
 from .mesh import Mesh
 
 FRAME_UNITS = (3, 4)  # texture units of frame_N and frame_x, as passes/gbuffer.glsl declares them
+NEARER_UNIT = 8  # of the depth that others left, in surface.frag
 POINT_UNITS = (6, 7)  # of frame_p and frame_b, as passes/gbuffer_point.glsl declares them; of the mesh in surface.frag
 NUMBER_UNIT = 5  # of the triangles' numbers in surface.frag
 VERTEX_TEXELS = 3  # position, normal, tangent
@@ -56,6 +58,24 @@ class MeshBuffers:
             thing.release()
 
 
+@dataclass(frozen=True)
+class Among:
+    """How a mesh is drawn together with others, each into a G-buffer of its own.
+
+    Parameters
+    ----------
+    depths : near and far distance for all of them
+    nearer : what stands before the mesh hides it; None: this is drawn first
+    state : what `nearer` holds
+    first_of_ground : from this triangle on only the front is drawn
+    """
+
+    depths: tuple[float, float]
+    nearer: GBuffer | None = None
+    state: tuple | None = None
+    first_of_ground: int = 1 << 30
+
+
 class GBuffer:
     """Frames and depth of one view; `shade` runs a program for each covered pixel, hidden ones cost nothing."""
 
@@ -70,27 +90,34 @@ class GBuffer:
         for texture in (self.frame_N, self.frame_x, self.frame_p, self.frame_b, self.color):
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self.depth = ctx.depth_texture(size)
+        self.depth.compare_func = ""  # read as a number, where another mesh is drawn after this one
+        self.depth.filter = moderngl.NEAREST, moderngl.NEAREST
         self.frames = ctx.framebuffer([self.frame_N, self.frame_x, self.frame_p, self.frame_b], self.depth)
         self.target = ctx.framebuffer([self.color], self.depth)
         self.program = program or shader.program(ctx, "passes/surface.vert", "passes/surface.frag")
+        self._among_program = None
+        self.released = False
         self.seen: moderngl.TextureArray | None = None  # what each pixel sees of the lights, if a method asks
         self.ray_from_pixel = np.eye(3)
         self._drawn: tuple | None = None
 
-    def draw(self, mesh: MeshBuffers, camera: Camera, offset=(0.0, 0.0)) -> None:
+    def draw(self, mesh: MeshBuffers, camera: Camera, offset=(0.0, 0.0), among: Among | None = None) -> None:
         """Fill the frames and the depth with one mesh, seen by `camera`, each pixel sampled at its centre + `offset`.
 
-        Does nothing when they hold just that: an edit of fabric or light moves no pixel.
+        `among`: how it is drawn together with others. Does nothing when they hold just that: an edit of fabric or light
+        moves no pixel.
         """
-        for _ in self.draw_bands(mesh, camera, offset, self.size[1]):
+        for _ in self.draw_bands(mesh, camera, offset, self.size[1], among):
             pass
 
-    def draw_bands(self, mesh: MeshBuffers, camera: Camera, offset, rows: int) -> Iterator[None]:
+    def draw_bands(
+        self, mesh: MeshBuffers, camera: Camera, offset, rows: int, among: Among | None = None
+    ) -> Iterator[None]:
         """As `draw`, so many rows at a time, for a caller with other things to do in between."""
-        if self._drawn == (mesh, camera, offset):
+        if self._drawn == (mesh, camera, offset, among):
             return
         self._drawn = None
-        near, far = camera.depth_range(mesh.low, mesh.high)
+        near, far = camera.depth_range(mesh.low, mesh.high) if among is None else among.depths
         clip = camera.clip_from_world(self.size, near, far, offset)
         self.ray_from_pixel = camera.ray_from_pixel(self.size, offset)
         height = self.size[1]
@@ -103,11 +130,11 @@ class GBuffer:
                 below, above = (2.0 * (y / height) - 1.0 for y in (first - 1, first + rows + 1))
                 numbers = np.flatnonzero((high >= below) & (low <= above))
             band = (0, first, self.size[0], min(rows, height - first))
-            self._draw_band(mesh, clip, camera.eye, band, numbers)
+            self._draw_band(mesh, clip, camera.eye, band, numbers, among)
             yield
-        self._drawn = mesh, camera, offset
+        self._drawn = mesh, camera, offset, among
 
-    def _draw_band(self, mesh: MeshBuffers, clip, eye, band: tuple[int, int, int, int], numbers) -> None:
+    def _draw_band(self, mesh: MeshBuffers, clip, eye, band: tuple[int, int, int, int], numbers, among) -> None:
         """Draw all triangles, or those of `numbers`, into a band of the frames."""
         self.frames.scissor = None if numbers is None else band
         self.frames.use()
@@ -118,11 +145,12 @@ class GBuffer:
                 self.frames.scissor = None
                 return
             mesh.choose(numbers)
-        self.program["clip_from_world"].write(clip.T.astype("f4").tobytes())
-        self.program["eye"].value = eye
+        program = self.program if among is None else self._program_among(among)
+        program["clip_from_world"].write(clip.T.astype("f4").tobytes())
+        program["eye"].value = eye
         layout = [(mesh.vertices.buffer, "3f 1x4 3f 1x4 4f", "in_position", "in_normal", "in_tangent")]
         indices = mesh.indices if numbers is None else mesh.band_indices
-        array = self.ctx.vertex_array(self.program, layout, indices.buffer, 4)
+        array = self.ctx.vertex_array(program, layout, indices.buffer, 4)
         mesh.vertices.bind(POINT_UNITS[0])
         mesh.indices.bind(POINT_UNITS[1])
         (mesh.numbers if numbers is None else mesh.band_numbers).bind(NUMBER_UNIT)
@@ -132,6 +160,18 @@ class GBuffer:
         array.render(vertices=3 * len(mesh.mesh.triangles if numbers is None else numbers))
         array.release()
         self.frames.scissor = None
+
+    def _program_among(self, among: Among):
+        """The program that draws a mesh among others, ready for it; compiled at first use."""
+        if self._among_program is None:
+            defines = {"AMONG_OTHERS": 1}
+            self._among_program = shader.program(self.ctx, "passes/surface.vert", "passes/surface.frag", defines)
+        shader.set_uniforms(
+            self._among_program, first_of_ground=among.first_of_ground, hidden_by_others=among.nearer is not None
+        )
+        if among.nearer is not None:
+            among.nearer.depth.use(NEARER_UNIT)
+        return self._among_program
 
     def clear_color(self) -> None:
         """Black, alpha 0, everywhere."""
@@ -219,6 +259,7 @@ class GBuffer:
         return data[::-1, :, 3] != 0.0
 
     def release(self) -> None:
+        self.released = True
         # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
         self.ctx.detect_framebuffer(0).use()
         for thing in (

@@ -11,10 +11,12 @@ import moderngl
 import numpy as np
 
 from . import shader
+from .accel.ground import OverGround
 from .accel.queries import make_structure
 from .accel.triangles import Triangles
 from .camera import Camera
 from .cloth.adaptive import AdaptiveRate
+from .cloth.around import Around
 from .cloth.brute import Reference
 from .cloth.direct import Direct
 from .cloth.paper import Paper
@@ -22,7 +24,7 @@ from .cloth.probes import lift_off_facets, subdivided
 from .cloth.scene_buffers import SceneBuffers
 from .cloth.settings import MethodName, Quality, Settings
 from .cloth.settings import Shadows as ShadowMode
-from .cloth.shadows import SEEN_ALL, SEEN_PIXELS, Shadows
+from .cloth.shadows import SEEN_ALL, SEEN_PIXELS, Shadows, is_next_pose
 from .context import create_context
 from .environment import Environment, load_environment, rotation_y
 from .errors import InputError
@@ -30,7 +32,8 @@ from .fabric import Fabric, load_fabric
 from .fit import fit_lights
 from .lights import Lights, SphericalGaussians, as_lights
 from .lights_file import load_lights
-from .mesh import BUILTIN_MESHES, Mesh, load_mesh, load_view
+from .mesh import BUILTIN_MESHES, Mesh, load_mesh, load_solid, load_view
+from .objects import Objects, stand_on
 from .progress import check_stopped, track
 from .raster import GBuffer, MeshBuffers
 from .scene import Scene, load_scene
@@ -56,6 +59,7 @@ class Frame:
     lights: Lights  # in world space, rotation included
     camera: Camera
     settings: Settings
+    objects: Objects | None = None  # what stands about the cloth
 
 
 def default_camera(mesh: Mesh, scene: Scene) -> Camera:
@@ -93,7 +97,11 @@ class Renderer:
         self._meshes: dict[int, MeshBuffers] = {}
         self._shadows: Shadows | None = None
         self._finer: tuple[Mesh, Mesh] | None = None  # a mesh, and what it is drawn as with shadows
-        self._occluders: tuple | None = None  # mesh, triangles, structure
+        self._occluders: tuple | None = None  # mesh, objects' mesh, ground's height, triangles, structure
+        self._around: Around | None = None
+        self._solids: dict[str, tuple] = {}  # of each name: when its file changed, mesh and reflectances
+        self._objects: tuple | None = None  # what they were made of, Objects
+        self._follow = False
         self._fit: tuple | None = None  # environment, lobes, lights
         self._rotated: tuple | None = None  # lights, degrees, lights turned
         self._files: dict = {}
@@ -126,10 +134,13 @@ class Renderer:
         environment: Environment | str | None = None,
         lights: Lights | SphericalGaussians | None = None,
         camera: Camera | None = None,
+        objects: Objects | None = None,
         **changes,
     ) -> Frame:
         """Read the files of a scene and fit its lights. Parameters as for `render`."""
         scene = load_scene(scene) if isinstance(scene, str) else scene or Scene()
+        if objects is not None and not isinstance(objects, Objects):
+            changes, objects = {**changes, "objects": objects}, None
         scene = scene.changed(**changes) if changes else scene
         fabric = load_fabric(scene.fabric if fabric is None else fabric)
         mesh = mesh if isinstance(mesh, Mesh) else self._loaded(load_mesh, mesh or scene.mesh)
@@ -153,7 +164,35 @@ class Renderer:
             rotation,
         )
         camera = camera or default_camera(mesh, scene)
-        return Frame(scene, fabric, mesh, environment, as_lights(lights), camera, settings)
+        objects = objects or self._objects_of(scene, mesh)
+        return Frame(scene, fabric, mesh, environment, as_lights(lights), camera, settings, objects)
+
+    def _objects_of(self, scene: Scene, mesh: Mesh) -> Objects | None:
+        """The objects and the ground of a scene, the same ones as long as nothing about them changes."""
+        if not scene.objects and scene.ground == "off":
+            return None
+        solids = []
+        for name in dict.fromkeys(scene.objects):
+            path = Path(name)
+            stamp = path.stat().st_mtime_ns if path.is_file() else 0
+            if self._solids.get(name, (None,))[0] != stamp:
+                self._solids[name] = stamp, *load_solid(name)
+            solids.append(self._solids[name])
+        self._solids = {name: self._solids[name] for name in scene.objects}
+        meshes, reflectances = tuple(s[1] for s in solids), tuple(s[2] for s in solids)
+        before = self._objects
+        if before is not None and before[1] == meshes and before[2] == (scene.ground, scene.ground_color):
+            # The ground stays where it is while the cloth moves over it.
+            if before[0] is mesh or (self._follow and is_next_pose((before[0],), (mesh,))):
+                self._objects = mesh, *before[1:]
+                return before[3]
+        ground = None
+        if scene.ground != "off":
+            height = None if scene.ground == "auto" else float(scene.ground)
+            ground = stand_on(mesh, meshes, height, scene.ground_color)
+        objects = Objects(meshes, reflectances, ground)
+        self._objects = mesh, meshes, (scene.ground, scene.ground_color), objects
+        return objects
 
     def _loaded(self, load, name: str):
         """What `load` makes of a name or file; the last one of each kind is kept until its file changes."""
@@ -183,6 +222,7 @@ class Renderer:
         ----------
         scene : a Scene, the name of a built-in one, or a file; default: silk on the built-in cloth in the studio
         fabric, mesh, environment : a name, a file, or the object itself
+        objects : names and files of meshes that stand about the cloth, or Objects
         lights : Lights or SphericalGaussians in world space instead of a fit of the environment
         camera : Camera instead of the scene's
         any other keyword : a field of Scene, for example method="reference", size=(320, 240), spp=4
@@ -227,32 +267,38 @@ class Renderer:
         method = self.method(scene.method)
         self.shared.prepare(frame.fabric, frame.lights)
         method.prepare(frame.fabric, frame.lights, frame.settings)
+        around = self._prepare_around(frame)
         shadows = self._prepare_shadows(frame)
-        if shadows is not None:
-            if hurry:
-                shadows.hurry()
-            else:
-                for _ in track(self.look(frame), "shadows: directions", shadows.total()) if what else self.look(frame):
-                    pass
+        lookouts = [s for s in (shadows, around and around.shadows) if s is not None]
+        if hurry:
+            for one in lookouts:
+                one.hurry()
+        elif lookouts:
+            total = sum(one.total() for one in lookouts)
+            for _ in track(self.look(frame), "shadows: directions", total) if what else self.look(frame):
+                pass
         mesh = self._mesh(self.drawn_mesh(frame), frame.mesh)
         passes = list(method.passes())
         jobs = [(offset, uniforms) for offset in sample_offsets(scene.spp) for uniforms in passes]
         if getattr(method, "traced", False):
-            placing = method.place(mesh, self.occluders(frame.mesh))
+            placing = method.place(mesh, self.occluders(frame.mesh, around), around)
             for job in track(placing, f"{scene.method}: light on the folds") if what else placing:
                 job()
                 yield 0, len(jobs)
         program = self.program("passes/shade.frag", method, shadows is not None)
         buffer.clear_color()
         if scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1:
-            for _ in self._shade_adaptively(buffer, mesh, method, program, frame, shadows, rows):
+            for _ in self._shade_adaptively(buffer, mesh, method, program, frame, shadows, rows, around):
                 yield 0, 1
+            if around is not None:
+                self._shade_around(buffer, around, method, frame, passes)
             yield 1, 1
             jobs = []
         drawn = None
         for done, (offset, uniforms) in enumerate(track(jobs, what) if what and len(jobs) > 1 else jobs):
+            number = done % max(len(passes), 1)
             if offset != drawn:
-                for _ in self._place(buffer, mesh, method, frame, shadows, offset, rows is not None):
+                for _ in self._place(buffer, mesh, method, frame, shadows, offset, rows is not None, around):
                     yield done, len(jobs)
                 drawn = offset
             first = 0
@@ -265,7 +311,10 @@ class Renderer:
                 shader.set_uniforms(
                     program, pass_weight=1.0 / scene.spp, pass_cover=1.0 / (scene.spp * len(passes)), **uniforms
                 )
-                buffer.shade(program, len(jobs) > 1, None if rows is None else (first, count))
+                band = None if rows is None else (first, count)
+                buffer.shade(program, len(jobs) > 1, band)
+                if around is not None:
+                    self._shade_around(buffer, around, method, frame, passes, number, band)
                 first += count
                 if len(jobs) > 1 or rows is not None:
                     self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard between passes
@@ -278,9 +327,11 @@ class Renderer:
 
         Yields how many directions are traced.
         """
-        shadows = self._prepare_shadows(frame)
+        shadows, around = self._prepare_shadows(frame), self._prepare_around(frame)
         if shadows is not None:
             yield from shadows.steps(count)
+        if around is not None:
+            yield from around.shadows.steps(count)
 
     def _shadow_mode(self, frame: Frame) -> ShadowMode:
         scene = frame.scene
@@ -296,16 +347,41 @@ class Renderer:
             return None
         if self._shadows is None:
             self._shadows = Shadows(self.ctx)
-        structure = self.occluders(frame.mesh)
-        self._shadows.prepare(mode, self.drawn_mesh(frame), frame.mesh, structure, frame.lights, frame.scene.bounce)
+        around = self._take_around(frame)
+        structure = self.occluders(frame.mesh, around)
+        others = () if around is None else (around.mesh,)
+        drawn = self.drawn_mesh(frame)
+        self._shadows.prepare(mode, drawn, frame.mesh, structure, frame.lights, frame.scene.bounce, others)
         return self._shadows
+
+    def _take_around(self, frame: Frame) -> Around | None:
+        """What stands about the cloth of a frame, on the GPU; None where nothing does."""
+        if frame.objects is None:
+            return None
+        if self._around is None:
+            self._around = Around(self.ctx)
+            self._around.shadows.follow_poses(self._follow)
+        self._around.prepare(frame.objects)
+        return self._around
+
+    def _prepare_around(self, frame: Frame) -> Around | None:
+        """As `_take_around`, ready to look at the lights."""
+        around = self._take_around(frame)
+        if around is not None:
+            mode = self._shadow_mode(frame)
+            structure = self.occluders(frame.mesh, around) if mode != "off" else None
+            around.look_out(mode, structure, frame.lights, frame.scene.bounce, frame.mesh)
+        return around
 
     def follow_poses(self, follow: bool = True) -> None:
         """Take meshes with the same triangles for poses of one cloth that moves: of what its vertices see a quarter is
         traced anew at each, the rest is that of the last three. A cut, a jump of the cloth, is noticed."""
         if self._shadows is None:
             self._shadows = Shadows(self.ctx)
+        self._follow = follow
         self._shadows.follow_poses(follow)
+        if self._around is not None:
+            self._around.shadows.follow_poses(follow)
 
     @property
     def shadows(self) -> Shadows | None:
@@ -321,14 +397,27 @@ class Renderer:
         return self._finer[1]
 
     def _place(
-        self, buffer: GBuffer, mesh: MeshBuffers, method, frame: Frame, shadows: Shadows | None, offset, in_bands: bool
+        self,
+        buffer: GBuffer,
+        mesh: MeshBuffers,
+        method,
+        frame: Frame,
+        shadows: Shadows | None,
+        offset,
+        in_bands: bool,
+        around: Around | None,
     ) -> Iterator[None]:
-        """Draw what every pixel sees of the cloth, and of the lights; in bands it yields after each."""
-        if not in_bands:
-            buffer.draw(mesh, frame.camera, offset)
-        else:
-            rows = max(1, BAND_PIXELS // buffer.size[0])
-            for _ in buffer.draw_bands(mesh, frame.camera, offset, rows):
+        """Draw what every pixel sees of the cloth and about it, and of the lights; in bands it yields after each."""
+        rows = max(1, BAND_PIXELS // buffer.size[0]) if in_bands else buffer.size[1]
+        among = None
+        if around is not None:
+            for _ in around.draw_bands(buffer, mesh, frame.camera, offset, rows):
+                if in_bands:
+                    self.ctx.finish()
+                    yield
+            among = around.among(buffer)
+        for _ in buffer.draw_bands(mesh, frame.camera, offset, rows, among):
+            if in_bands:
                 self.ctx.finish()
                 yield
         if shadows is not None:
@@ -340,6 +429,25 @@ class Renderer:
             if in_bands:
                 self.ctx.finish()
                 yield
+        if around is not None and frame.scene.method != "reference":
+            around.look(buffer)
+            if in_bands:
+                self.ctx.finish()
+                yield
+
+    def _shade_around(
+        self, buffer: GBuffer, around: Around, method, frame: Frame, passes: list[dict], number: int = 0, band=None
+    ) -> None:
+        """Shade what stands about the cloth: pass number `number` over a sample, or a band of it."""
+        weight = 1.0 / frame.scene.spp
+        if hasattr(method, "lit"):
+            program, cover = method.lit(around), weight / len(passes)
+            shader.set_uniforms(program, **passes[number])
+        elif number:
+            return  # the first pass did it all
+        else:
+            program, cover = around.lit_by_means(frame.lights, self.shared), weight
+        around.run(buffer, program, weight, cover, band)
 
     def _shade_adaptively(
         self,
@@ -350,11 +458,12 @@ class Renderer:
         frame: Frame,
         shadows: Shadows | None,
         rows: Callable[[], int] | None,
+        around: Around | None,
     ) -> Iterator[None]:
         """One pixel in four, and the others where their neighbours differ; `high` and spp > 1 shade every pixel."""
         if self._adaptive is None:
             self._adaptive = AdaptiveRate(self.ctx)
-        yield from self._place(buffer, mesh, method, frame, shadows, (0.0, 0.0), rows is not None)
+        yield from self._place(buffer, mesh, method, frame, shadows, (0.0, 0.0), rows is not None, around)
         list_program = self.program("passes/shade_list.comp", method, shadows is not None)
 
         def bind(one) -> None:
@@ -492,16 +601,23 @@ class Renderer:
             self._meshes = {key: MeshBuffers(self.ctx, mesh, lift)}
         return self._meshes[key]
 
-    def occluders(self, mesh: Mesh):
-        """The acceleration structure (`glcloth.accel`) over the triangles that a mesh hides light with; built once."""
-        if self._occluders is None or self._occluders[0] is not mesh:
-            structure = make_structure(self.ctx, OCCLUDER_STRUCTURE) if self._occluders is None else self._occluders[2]
+    def occluders(self, mesh: Mesh, around: Around | None = None):
+        """The acceleration structure (`glcloth.accel`) over what hides light: the triangles of a mesh, then those of what
+        stands about it, and the ground; built once."""
+        solids = None if around is None else around.mesh
+        if self._occluders is None or self._occluders[0] is not mesh or self._occluders[1] is not solids:
+            structure = make_structure(self.ctx, OCCLUDER_STRUCTURE) if self._occluders is None else self._occluders[3]
             if self._occluders is not None:
-                self._occluders[1].release()
-            triangles = Triangles.of(self.ctx, mesh.positions[mesh.triangles])
+                self._occluders[2].release()
+            corners = mesh.positions[mesh.triangles]
+            if around is not None:
+                corners = np.concatenate([corners, around.triangles])
+            triangles = Triangles.of(self.ctx, corners)
             structure.build(triangles)
-            self._occluders = mesh, triangles, structure
-        return self._occluders[2]
+            ground = None if around is None else around.objects.ground
+            seen = structure if ground is None else OverGround(structure, ground.height)
+            self._occluders = mesh, solids, triangles, structure, seen
+        return self._occluders[4]
 
     def draw_background(self, frame: Frame, target: moderngl.Framebuffer | None = None) -> None:
         """Draw the environment behind the last draw, or behind a copy of it in another framebuffer of its size."""

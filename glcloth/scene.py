@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 import tomllib
 from pathlib import Path
 from typing import Annotated, Literal
@@ -16,6 +17,7 @@ from .image import read_settings
 
 SCENES = PACKAGE / "scenes"
 Vec3 = tuple[float, float, float]
+Share = Annotated[float, Field(ge=0, le=1)]
 
 
 class View(BaseModel):
@@ -36,6 +38,9 @@ class Scene(BaseModel):
 
     fabric: str | Fabric = "silk_crepe_de_chine"
     mesh: str = "drape"
+    objects: tuple[str, ...] = ()  # meshes that stand about the cloth, matt
+    ground: float | Literal["off", "auto"] = "off"  # its height, m; auto: just under the lowest point
+    ground_color: tuple[Share, Share, Share] = (0.3, 0.3, 0.3)  # diffuse reflectance, linear
     env: str = "studio"
     env_rotate: float = 0.0
     lobes: int | Literal["auto"] = 10
@@ -71,6 +76,37 @@ class Scene(BaseModel):
             raise ValueError(f"expected at most 67 million pixels, not {value[0]}x{value[1]}")
         return value
 
+    @field_validator("objects", mode="before")
+    @classmethod
+    def _objects(cls, value):
+        return (value,) if isinstance(value, str) else value
+
+    @field_validator("ground", mode="before")
+    @classmethod
+    def _ground(cls, value):
+        if isinstance(value, bool):
+            return "auto" if value else "off"
+        try:
+            height = value if value in ("off", "auto") else float(value)
+        except (TypeError, ValueError):
+            height = math.nan
+        if height not in ("off", "auto") and not math.isfinite(height):
+            raise ValueError(f"expected a height in metres, auto or off, not {value!r}")
+        return height
+
+    @field_validator("ground_color", mode="before")
+    @classmethod
+    def _ground_color(cls, value):
+        if isinstance(value, str):
+            value = value.split(",")
+        try:
+            color = tuple(float(v) for v in value)
+        except (TypeError, ValueError):
+            color = ()
+        if len(color) != 3 or not all(0.0 <= v <= 1.0 for v in color):
+            raise ValueError(f"expected R,G,B from 0 to 1 such as 0.3,0.3,0.3, not {_said(value)}")
+        return color
+
     @field_validator("lobes", mode="before")
     @classmethod
     def _lobes(cls, value):
@@ -85,6 +121,11 @@ class Scene(BaseModel):
     def changed(self, **changes) -> Scene:
         """The same scene with some fields replaced. Raises InputError for unknown fields and values out of range."""
         return parse_scene({**self.model_dump(exclude_unset=True), **changes}, "scene")
+
+
+def _said(value) -> str:
+    """A value of several as a person wrote it."""
+    return ",".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
 
 
 def parse_scene(data: dict, where: str) -> Scene:

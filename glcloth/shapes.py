@@ -59,3 +59,19 @@ def cylinder(radius: float = 0.5, height: float = 1.0, rings: int = 48, sectors:
         np.column_stack([u * 2 * np.pi * radius, v * height]),
         normals,
     )
+
+
+def rings(radii: np.ndarray, sectors: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return positions, triangles and normals of a disc in the plane y = 0 that faces +Y: its middle, then `sectors`
+    vertices on each ring, from +Z toward +X."""
+    angle = 2 * np.pi * np.arange(sectors) / sectors
+    circle = np.column_stack([np.sin(angle), np.zeros(sectors), np.cos(angle)])
+    positions = np.concatenate([np.zeros((1, 3)), (np.asarray(radii)[:, None, None] * circle).reshape(-1, 3)])
+    s = np.arange(sectors)
+    after = (s + 1) % sectors
+    fan = np.column_stack([np.zeros(sectors, int), 1 + s, 1 + after])
+    first = 1 + sectors * np.arange(len(radii) - 1)[:, None]
+    a, b, c, d = (first + k for k in (s, after, s + sectors, after + sectors))
+    bands = np.stack([np.stack([a, c, d], -1), np.stack([a, d, b], -1)], 2).reshape(-1, 3)
+    normals = np.tile([0.0, 1.0, 0.0], (len(positions), 1))
+    return positions, np.concatenate([fan, bands]).astype(np.int32), normals

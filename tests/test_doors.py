@@ -57,6 +57,24 @@ def test_render_writes_png_and_exr_with_their_scene(tmp_path, capsys):
         assert read_settings(tmp_path / name)["scene"]["mesh"] == "sphere"
 
 
+def test_ground_and_objects_travel_with_the_picture(tmp_path, capsys):
+    (tmp_path / "box.obj").write_text("v 0.6 0 0\nv 0.9 0 0\nv 0.6 0.5 0\nf 1 2 3\n")
+    options = quick_but("--shadows", "off", "--object", tmp_path / "box.obj", "--ground-color", "0.2,0.3,0.4")
+    assert run("render", "-o", tmp_path / "a.exr", *options, "--object", "plane", "--ground") == 0
+    scene = read_settings(tmp_path / "a.exr")["scene"]
+    assert scene["ground"] == "auto" and scene["ground_color"] == [0.2, 0.3, 0.4]
+    assert scene["objects"] == [str((tmp_path / "box.obj").resolve()), "plane"]
+    assert run("render", tmp_path / "a.exr", "-o", tmp_path / "b.exr") == 0
+    assert np.array_equal(read_image(tmp_path / "a.exr"), read_image(tmp_path / "b.exr"))
+    out = ["render", "-o", tmp_path / "c.exr"]
+    assert "--ground" not in fails(capsys, *out, "--object", "nothing.obj")
+    assert "sphere" in fails(capsys, *out, "--object", "spere")
+    assert "height" in fails(capsys, *out, "--ground", "1m")
+    assert "R,G,B" in fails(capsys, *out, "--ground-color", "1,2")
+    (tmp_path / "d.obj").write_text("mtllib d.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    assert "d.mtl" in fails(capsys, *out, "--object", tmp_path / "d.obj")
+
+
 def test_a_picture_renders_again_to_the_same_picture(tmp_path):
     assert run("render", "-o", tmp_path / "a.exr", *QUICK, "--fabric", "linen", "--env-rotate", "-40") == 0
     assert run("render", tmp_path / "a.exr", "-o", tmp_path / "b.exr") == 0

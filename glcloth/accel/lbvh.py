@@ -44,11 +44,13 @@ class Lbvh:
         self._buffers |= {name: TextureBuffer(ctx, 64, "r32ui") for name in ("histogram", "begins")}
         self._buffers["lanes"] = TextureBuffer(ctx, 32 * LANES)
         self._count = 0
+        self.triangles: Triangles | None = None  # that it was built of
         self.timings: dict[str, float] = {}
         self.node_count = self.leaf_ref_count = 0
 
     def build(self, triangles: Triangles) -> None:
         """Build the hierarchy of the triangles as they are now."""
+        self.triangles = triangles
         n = self._count = self.leaf_ref_count = triangles.count
         self.node_count = max(n - 1, 1)
         laps = [("", time.perf_counter())]

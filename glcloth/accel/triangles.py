@@ -32,6 +32,7 @@ class Triangles:
         self.corners = TextureBuffer(ctx, 48 * max(count, 1), "rgba32ui")
         self.attributes = TextureBuffer(ctx, 16 * max(count, 1), "rgba32ui")
         self._gather = None
+        self.turn = np.zeros(max(count, 1), int)  # by how many places the corners of each were turned, see `set`
         self._joined = np.zeros(max(count, 1), bool)  # a triangle and its successor are a pair
         self._pairs: dict[bool, tuple[int, TextureBuffer]] = {}
 
@@ -61,15 +62,17 @@ class Triangles:
         material : [T] int or one for all
 
         Successive triangles that share an edge become pairs; their corners are turned for it, the order of the round kept.
+        So hits are between the turned corners, `turned(corners, triangles.turn)`.
         """
         positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
         T = len(positions)
         assert first + T <= self.count, f"{first} + {T} triangles, room for {self.count}"
         material = np.broadcast_to(material, T)
         turn, joined = find_pairs(positions, material)
+        self.turn[first : first + T] = turn
         self._join(first, joined)
-        positions = np.ascontiguousarray(_turned(positions, turn))
-        normals, tangents = (None if v is None else _turned(np.asarray(v), turn) for v in (normals, tangents))
+        positions = np.ascontiguousarray(turned(positions, turn))
+        normals, tangents = (None if v is None else turned(np.asarray(v), turn) for v in (normals, tangents))
         edges = (positions[:, 1] - positions[:, 0]).astype(float), (positions[:, 2] - positions[:, 0]).astype(float)
         if normals is None:
             normals = np.repeat(np.cross(*edges)[:, None], 3, 1)
@@ -172,7 +175,7 @@ def find_pairs(positions: np.ndarray, material: np.ndarray) -> tuple[np.ndarray,
     return turn, joined
 
 
-def _turned(corners: np.ndarray, turn: np.ndarray) -> np.ndarray:
+def turned(corners: np.ndarray, turn: np.ndarray) -> np.ndarray:
     """Corners [T, 3, ...] that begin with the one that was number `turn` [T]."""
     return corners[np.arange(len(corners))[:, None], (turn[:, None] + np.arange(3)) % 3]
 

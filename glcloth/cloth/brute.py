@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from .. import shader
+from ..accel.triangles import turned
 from ..environment import cube_map, cube_map_of_gaussians
 from ..gpu import TextureBuffer
 from .albedo import diffuse_albedo
@@ -44,6 +45,8 @@ class Reference:
         self._mesh = self._structure = self._irradiance = self._lit = None
         self._vertex_lights: TextureBuffer | None = None
         self._irradiance_programs: dict = {}
+        self._around = self._gathered = None
+        self._places: tuple[TextureBuffer, TextureBuffer] | None = None  # corners and vertices of all that is met
         self._albedo: tuple | None = None  # of which fabric, its diffuse albedo
         self._radiance_per_irradiance = (0.0, 0.0, 0.0)
 
@@ -125,18 +128,20 @@ class Reference:
         data.write(records)
         return len(records)
 
-    def place(self, mesh, structure) -> list[Callable[[], None]]:
+    def place(self, mesh, structure, around=None) -> list[Callable[[], None]]:
         """Say where the cloth is and what hides light from it; needed when `traced`.
 
         Parameters
         ----------
         mesh : raster.MeshBuffers of the cloth
-        structure : of glcloth.accel, built; its first triangles are the mesh's
+        structure : of glcloth.accel, built; its first triangles are the mesh's, then come those of `around`
+        around : cloth.around.Around, what stands about the cloth, if anything
 
         Returns what is to be called, in this order, before the draw: the dispatches that light the vertices for a bounce.
         """
-        self._mesh, self._structure = mesh, structure
-        key = self._light_key, mesh
+        self._mesh, self._structure, self._around = mesh, structure, around
+        self._gather_places()
+        key = self._light_key, mesh, around and around.mesh
         if not self.bounces or self._lit == key:
             return []
         self._lit = None
@@ -146,15 +151,34 @@ class Reference:
         light = self._directions(lights, self._settings, min(self._settings.cube, BOUNCE_CUBE))
         bright = light[1].any(axis=1)
         count = self._upload(self._vertex_lights, *(column[bright] for column in light))
-        self._irradiance.write(np.zeros((len(mesh.mesh.positions), 2, 4), "f4"))
-        corners = mesh.mesh.positions[mesh.mesh.triangles].astype(float)
-        self._edge = float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
+        self._irradiance.write(np.zeros((self._vertices, 2, 4), "f4"))
+        self._edge = _mean_edge(mesh.mesh)
         jobs = [partial(self._light_vertices, first, count) for first in range(0, count, LIT_CHUNK)]
 
         def finished() -> None:
             self._lit = key
 
         return [*jobs, finished]
+
+    def _gather_places(self) -> None:
+        """Upload the corners of all triangles, in the order in which hits are weighted, and all vertices."""
+        mesh, around, triangles = self._mesh.mesh, self._around, self._structure.triangles
+        if self._gathered == (mesh, around and around.mesh, triangles):
+            return
+        corners, vertices = mesh.triangles, _vertex_rows(mesh)
+        if around is not None:
+            solid = around.mesh.triangles[: around.solid]
+            corners = np.concatenate([corners, solid + len(mesh.positions)])
+            more = _vertex_rows(around.mesh)
+            # Beyond the cloth's offset, which all rays start with.
+            more[:, :2, 3] = around.offsets[:, None] - BOUNCE_OFFSET * _mean_edge(mesh)
+            vertices = np.concatenate([vertices, more])
+        if self._places is None:
+            self._places = TextureBuffer(self.ctx, 4, "r32i"), TextureBuffer(self.ctx, 16)
+        self._places[0].write(turned(corners, triangles.turn[: len(corners)]).astype("i4"))
+        self._places[1].write(vertices)
+        self._vertices = len(vertices)
+        self._gathered = mesh, around and around.mesh, triangles
 
     def _light_vertices(self, first: int, count: int) -> None:
         """Add the irradiance on both sides of every vertex from some of the directions, a ray for each."""
@@ -164,24 +188,24 @@ class Reference:
             self._irradiance_programs[source] = shader.compute(
                 self.ctx, "passes/reference_irradiance.comp", None, virtual
             )
-        program, mesh = self._irradiance_programs[source], self._mesh.mesh
+        program = self._irradiance_programs[source]
         self._structure.bind(program)
         self._vertex_lights.bind(TRACED_UNITS["directions"])
-        self._mesh.vertices.bind(TRACED_UNITS["vertices"])
+        self._places[1].bind(TRACED_UNITS["vertices"])
         self._irradiance.buffer.bind_to_storage_buffer(0)
         shader.set_uniforms(
             program,
-            vertex_count=len(mesh.positions),
+            vertex_count=self._vertices,
             first_direction=first,
             direction_count=min(LIT_CHUNK, count - first),
             offset=BOUNCE_OFFSET * self._edge,
         )
-        program.run(-(-len(mesh.positions) // 64))
+        program.run(-(-self._vertices // 64))
         self.ctx.memory_barrier()
         self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
 
     def defines(self) -> dict:
-        return {}
+        return {"AROUND_CLOTH": 1} if self.traced and self._around is not None else {}
 
     def bind(self, program) -> None:
         if not self.traced:
@@ -190,13 +214,26 @@ class Reference:
         self._structure.bind(program)
         self._data.bind(TRACED_UNITS["directions"])
         (self._irradiance if self.bounces else self._data).bind(TRACED_UNITS["irradiance"])
-        self._mesh.indices.bind(TRACED_UNITS["corners"])
-        self._mesh.vertices.bind(TRACED_UNITS["vertices"])
+        self._places[0].bind(TRACED_UNITS["corners"])
+        self._places[1].bind(TRACED_UNITS["vertices"])
         shader.set_uniforms(
             program,
             cloth_triangles=len(self._mesh.mesh.triangles),
             radiance_per_irradiance=self._radiance_per_irradiance,
+            bounces=self.bounces,
         )
+        if self._around is not None:
+            self._around.bind(program, len(self._mesh.mesh.positions))
+
+    def lit(self, around):
+        """The program of passes/lambert.frag that lights what stands about the cloth by the same sum, bound."""
+        along = "passes/along_ray.glsl" if self.traced else "passes/along_everything.glsl"
+        program = around.program("passes/lit_sum.glsl", self.defines(), {"along.glsl": along, **self.includes()})
+        if not self.traced:
+            self._data.bind(TRACED_UNITS["directions"])
+        else:
+            self.bind(program)
+        return program
 
     def passes(self) -> Iterator[dict]:
         chunk = TRACED_CHUNK if self.traced else CHUNK
@@ -206,3 +243,15 @@ class Reference:
     def evaluations_per_pixel(self) -> int:
         """Directions times tangents."""
         return self._count * self._tangents
+
+
+def _vertex_rows(mesh) -> np.ndarray:
+    """Positions, normals and tangents [V, 3, 4] float32, with no lift."""
+    rows = np.zeros((len(mesh.positions), 3, 4), "f4")
+    rows[:, 0, :3], rows[:, 1, :3], rows[:, 2] = mesh.positions, mesh.normals, mesh.tangents
+    return rows
+
+
+def _mean_edge(mesh) -> float:
+    corners = mesh.positions[mesh.triangles].astype(float)
+    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())

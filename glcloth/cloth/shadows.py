@@ -15,7 +15,7 @@ from ..mesh import Mesh
 from ..raster import GBuffer
 from .scene_buffers import SceneBuffers
 from .settings import Shadows as Mode
-from .visibility import FEWEST, VertexVisibility, broad_number, sun_number, top_number
+from .visibility import FEWEST, FLAT, VertexVisibility, broad_number, sun_number, top_number
 
 SEEN_UNIT = 2
 SEEN_ALL, SEEN_PIXELS = "passes/seen_all.glsl", "passes/seen_pixels.glsl"
@@ -28,12 +28,13 @@ CUT = 2.0  # mean edges by which the vertices may move in the mean from pose to 
 class Shadows:
     """Keeps what the vertices of one mesh see, and brings it to the pixels, and the rays of the suns with it."""
 
-    def __init__(self, ctx: moderngl.Context):
+    def __init__(self, ctx: moderngl.Context, steepness: float = FLAT):
+        """`steepness`: see `VertexVisibility`."""
         self.ctx = ctx
-        self.vertices = VertexVisibility(ctx)
-        self._programs: dict[str, object] = {}
+        self.vertices = VertexVisibility(ctx, steepness)
+        self._programs: dict[tuple, object] = {}
         self._sun_data = TextureBuffer(ctx, 16)
-        self._mesh: Mesh | None = None
+        self._meshes: tuple[Mesh, ...] = ()  # that was looked out from, and the others that hide light
         self.follow = False
         self._structure = self._lights = None
         self._mode: Mode = "off"
@@ -44,21 +45,32 @@ class Shadows:
     def follow_poses(self, follow: bool) -> None:
         """Take the next mesh with the same triangles for the next pose, or not."""
         if follow != self.follow:
-            self.follow, self._mesh = follow, None
+            self.follow, self._meshes = follow, ()
 
     # -- what is seen ------------------------------------------------------------------------------------------------
 
-    def prepare(self, mode: Mode, mesh: Mesh, original: Mesh, structure, lights: Lights, bounce: bool = True) -> None:
+    def prepare(
+        self,
+        mode: Mode,
+        mesh: Mesh,
+        original: Mesh,
+        structure,
+        lights: Lights,
+        bounce: bool = True,
+        others: tuple[Mesh, ...] = (),
+    ) -> None:
         """Choose what hides what. `mesh` is the one that is drawn, `original` what it was subdivided from, `structure`
-        what hides light."""
+        what hides light: the mesh and `others`."""
         self._mode, self._structure, self._lights, self._bounce = mode, structure, lights, bounce
-        if mode == "full" and self._mesh is not mesh:
-            if self.follow and self._mesh is not None and _is_next_pose(self._mesh, mesh):
+        self._others = others
+        meshes = mesh, *others
+        if mode == "full" and not _same(self._meshes, meshes):
+            if self.follow and is_next_pose(self._meshes, meshes):
                 self.vertices.move(mesh, structure)
             else:  # a cut fills at once
                 classes = MOVING_CLASSES if self.follow else None
                 self.vertices.start(mesh, structure, original, classes)
-            self._mesh = mesh
+            self._meshes = meshes
 
     def steps(self, count: int = 32) -> Iterator[int]:
         """Trace what the vertices still lack, so many directions at a time."""
@@ -77,25 +89,28 @@ class Shadows:
                 self.vertices.step(FEWEST)
 
     def integrate(self, method) -> None:
-        """Make the means of the vertices under the present lights; nothing when they are made."""
+        """Make the means of the vertices under the present lights; nothing when they are made. `method` None: of each
+        light alone, as a Lambertian needs them."""
         if self._mode == "full":
-            self.vertices.integrate(self._lights, getattr(method, "broad", np.zeros(len(self._lights.gaussians))))
+            none = np.zeros(len(self._lights.gaussians))
+            self.vertices.integrate(self._lights, None if method is None else getattr(method, "broad", none))
 
     def look(self, buffer: GBuffer, method) -> None:
         """Fill the layers of what the pixels of a G-buffer see, as it is drawn now; nothing when they hold just that."""
         lights = self._lights
         full = self._mode == "full"
         count = len(lights.gaussians)
+        first = broad_number(count)
         self._numbers = {
             "top_number": top_number(count),
-            "broad_number": broad_number(count),
-            "sun_number": sun_number(count),
+            "broad_number": first,
+            "sun_number": first if method is None else sun_number(count),
         }
         sun_layer = self._numbers["sun_number"] // 4
         self.integrate(method)
         seen = buffer.reserve_seen(sun_layer + -(-len(lights.suns) // 4))
         self._seen = seen
-        state = buffer.drawn, self._mode, self._structure, seen, self.vertices.version if full else 0
+        state = buffer.drawn, self._mode, self._structure, self._others, seen, self.vertices.version if full else 0
         before = self._filled.get(buffer)
         # Lights have no truth value for ==; they are frozen, so the same object is the same light.
         if before is not None and before[0] is lights and before[1] == state:
@@ -124,11 +139,16 @@ class Shadows:
             self._run(program, buffer, sun_count=len(suns), first_layer=sun_layer)
         self.ctx.memory_barrier()
 
+    def bind_seen(self, program) -> None:
+        """Bind the values of the G-buffer that was looked at last, for a program with `sampler2DArray seen`."""
+        self._seen.use(SEEN_UNIT)
+        shader.set_uniforms(program, **self._numbers)
+
     def bind(self, program, fabric: Fabric, shared: SceneBuffers) -> None:
         """Bind what passes/seen_pixels.glsl reads of the G-buffer that was looked at last."""
         albedo = self.albedo(fabric, shared) if self._mode == "full" and self._bounce else np.zeros(3)
-        self._seen.use(SEEN_UNIT)
-        shader.set_uniforms(program, **self._numbers, albedo=tuple(map(float, albedo)))
+        self.bind_seen(program)
+        shader.set_uniforms(program, albedo=tuple(map(float, albedo)))
 
     # -- how much a fabric reflects ----------------------------------------------------------------------------------
 
@@ -156,18 +176,30 @@ class Shadows:
     # -- the machinery -----------------------------------------------------------------------------------------------
 
     def _program(self, name: str, virtual: dict | None = None):
-        if name not in self._programs:
+        key = name, *(virtual or {}).values()
+        if key not in self._programs:
             virtual = {"count.glsl": "passes/count_none.glsl", **(virtual or {})}
-            self._programs[name] = shader.compute(self.ctx, f"passes/{name}.comp", None, virtual)
-        return self._programs[name]
+            self._programs[key] = shader.compute(self.ctx, f"passes/{name}.comp", None, virtual)
+        return self._programs[key]
 
     def _run(self, program, buffer: GBuffer, **uniforms) -> None:
         shader.set_uniforms(program, **uniforms)
         program.run(-(-buffer.size[0] // TILE), -(-buffer.size[1] // TILE))
 
 
-def _is_next_pose(before: Mesh, mesh: Mesh) -> bool:
-    """Whether a mesh is the one before, moved a little."""
+def _same(before: tuple[Mesh, ...], meshes: tuple[Mesh, ...]) -> bool:
+    """Whether two lists are of the same meshes."""
+    return len(before) == len(meshes) and all(a is b for a, b in zip(before, meshes, strict=True))
+
+
+def is_next_pose(before: tuple[Mesh, ...], meshes: tuple[Mesh, ...]) -> bool:
+    """Whether meshes are the ones before, moved a little."""
+    return len(before) == len(meshes) and all(map(_moved_a_little, before, meshes))
+
+
+def _moved_a_little(before: Mesh, mesh: Mesh) -> bool:
+    if before is mesh:
+        return True
     if before.triangles.shape != mesh.triangles.shape or before.positions.shape != mesh.positions.shape:
         return False
     if before.triangles is not mesh.triangles and not np.array_equal(before.triangles, mesh.triangles):

@@ -44,7 +44,7 @@ class VertexVisibility:
         self.done = self.groups = 0
         self.version = 0  # of the means: changes when they do
         self.probes: Probes | None = None
-        self._programs: dict[str, object] = {}
+        self._programs: dict[tuple, object] = {}
         self._queries = RayQueries(ctx)
         self._probe_data = TextureBuffer(ctx, 32)
         self._x_data = TextureBuffer(ctx, 16)
@@ -322,10 +322,11 @@ class VertexVisibility:
     # -- the machinery -----------------------------------------------------------------------------------------------
 
     def _program(self, stage: str, virtual: dict | None = None):
-        if stage not in self._programs:
+        key = stage, *(virtual or {}).values()
+        if key not in self._programs:
             virtual = {"count.glsl": "passes/count_none.glsl", **(virtual or {})}
-            self._programs[stage] = shader.compute(self.ctx, f"passes/visibility_{stage}.comp", None, virtual)
-        return self._programs[stage]
+            self._programs[key] = shader.compute(self.ctx, f"passes/visibility_{stage}.comp", None, virtual)
+        return self._programs[key]
 
     def _run(self, program, begin: int, end: int, /, **uniforms) -> None:
         """Run a program for the probes or vertices number `begin` to `end` - 1."""

@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..files import PACKAGE, atomic_write
-from ..obj import read_mtl, read_obj
+from ..obj import read_obj_and_mtl
 from .cloth import CurtainParameters, pleated_rail
 
 ROOM = PACKAGE / "scenes" / "room.obj"
@@ -56,31 +56,11 @@ def load_room(path: str | Path = ROOM) -> Room:
     path = Path(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file; check the path, or leave it out for the built-in room")
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-        data = read_obj(text, str(path))
-        libraries = [line.split(maxsplit=1)[1].strip() for line in text.splitlines() if line.startswith("mtllib ")]
-        colors: dict[str, tuple[float, float, float]] = {}
-        for name in libraries:
-            library = path.parent / name
-            if not library.is_file():
-                raise InputError(f"{path}: names the material file {name}, which is not beside it; put it there")
-            colors |= read_mtl(library.read_text(encoding="utf-8", errors="replace"), str(library))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
-    missing = [name for name in data.materials if name not in colors] if libraries else []
-    if missing:
-        raise InputError(f"{path}: material `{missing[0]}` is not defined in {', '.join(libraries)}; define it there")
+    data, reflectances = read_obj_and_mtl(path, 0.7)
     positions = data.positions[data.triangles]
     if not np.isfinite(positions.astype(np.float32)).all():
         raise InputError(f"{path}: a vertex is not finite; mend the file")
-    grey = (0.7, 0.7, 0.7)
-    return Room(
-        positions.astype(np.float32),
-        data.material,
-        np.array([colors.get(name, grey) for name in data.materials], np.float32),
-        data.materials,
-    )
+    return Room(positions.astype(np.float32), data.material, reflectances, data.materials)
 
 
 Quad = tuple[str, np.ndarray]  # material, corners [4, 3] counter-clockwise seen from the side that faces the room

@@ -1,12 +1,12 @@
 #version 430
-// Irradiance at the vertices of the cloth, on both sides, from the directions that no triangle hides: `direction_count` of
+// Irradiance at the vertices of the cloth and of what stands about it, on both sides, from the directions that no triangle hides: `direction_count` of
 // them from `first_direction` on are added.
 #include "passes/ray.glsl"
 #include "visit.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 10) uniform samplerBuffer direction_data;  // pairs: (omega, -), (flux, -)
-layout(binding = 13) uniform samplerBuffer vertex_data;     // three texels a vertex: position, normal, tangent
+layout(binding = 13) uniform samplerBuffer vertex_data;     // three texels a vertex: position and normal, each with a lift; tangent
 layout(std430, binding = 0) buffer Irradiance { vec4 irradiance[]; };  // two a vertex: of the front, of the back
 uniform int vertex_count;
 uniform int first_direction;
@@ -16,16 +16,16 @@ uniform float offset;  // how far from the vertex rays start, metres
 void main() {
     int i = int(gl_GlobalInvocationID.x);
     if (i >= vertex_count) return;
-    vec3 position = texelFetch(vertex_data, 3 * i).xyz;
-    vec3 N = texelFetch(vertex_data, 3 * i + 1).xyz;
+    vec4 position = texelFetch(vertex_data, 3 * i);
+    vec4 N = texelFetch(vertex_data, 3 * i + 1);
     vec3 front = vec3(0.0);
     vec3 back = vec3(0.0);
     for (int d = first_direction; d < first_direction + direction_count; ++d) {
         vec3 omega = texelFetch(direction_data, 2 * d).xyz;
         vec3 flux = texelFetch(direction_data, 2 * d + 1).rgb;
-        float cos_theta = dot(omega, N);
+        float cos_theta = dot(omega, N.xyz);
         Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
-        traverse(make_ray(position + (cos_theta < 0.0 ? -offset : offset) * N, omega, 0.0, 3e38), visit);
+        traverse(make_ray(position.xyz + (cos_theta < 0.0 ? -offset - N.w : offset + position.w) * N.xyz, omega, 0.0, 3e38), visit);
         if (visit.triangle != NO_TRIANGLE) continue;
         front += flux * max(cos_theta, 0.0);
         back += flux * max(-cos_theta, 0.0);

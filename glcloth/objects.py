@@ -1,0 +1,85 @@
+"""What stands about the cloth: solid objects and a ground, matt all of them. Plain values; `cloth.around` lights them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from . import shapes
+from .mesh import Mesh, build_mesh
+
+GAP = 0.002  # of the cloth's radius: how far below the lowest point a ground lies that is given no height
+FARTHEST = 3.0  # radii of the cloth: how far about it the ground is drawn finely for the sake of objects
+RINGS, SECTORS = 84, 112
+FAR = 64.0
+
+
+@dataclass(frozen=True)
+class Ground:
+    """A horizontal plane without end.
+
+    Parameters
+    ----------
+    height : y, metres
+    center : x, z of the middle of what is drawn
+    scale : metres; the rings about the middle are scale / (RINGS / 2) apart at it, four times that at `scale` from it
+    color : diffuse reflectance, linear Rec. 709
+    """
+
+    height: float
+    center: tuple[float, float]
+    scale: float
+    color: tuple[float, float, float]
+
+    @cached_property
+    def mesh(self) -> Mesh:
+        """Rings of triangles, finest in the middle: vertex 1 + SECTORS r + s is number s of ring r, 0 is the middle."""
+        positions, triangles, normals = shapes.rings(self.radii[1:], SECTORS)
+        positions += (self.center[0], self.height, self.center[1])
+        return build_mesh("ground", positions, triangles, None, normals)
+
+    @property
+    def radii(self) -> np.ndarray:
+        """Metres [RINGS + 1], from 0: scale t / (1 - t) for t even from 0 on, which has an end at infinity; the last one
+        so far that from a person's height the plane ends less than a pixel below the horizon."""
+        t = np.arange(RINGS + 1) / (RINGS + 1)
+        radii = self.scale * t / (1.0 - t)
+        radii[-1] *= FAR
+        return radii
+
+
+@dataclass(frozen=True, eq=False)
+class Objects:
+    """Lambertian objects and an optional ground.
+
+    Parameters
+    ----------
+    meshes : of the objects
+    reflectances : of each mesh [T, 3], linear Rec. 709
+    ground : None where there is none
+    """
+
+    meshes: tuple[Mesh, ...] = ()
+    reflectances: tuple[np.ndarray, ...] = field(default=())
+    ground: Ground | None = None
+
+    def same_shape(self, other: Objects | None) -> bool:
+        """Whether these hide the same light as others."""
+        if other is None or len(self.meshes) != len(other.meshes):
+            return False
+        places = [g and (g.height, g.center, g.scale) for g in (self.ground, other.ground)]
+        return places[0] == places[1] and all(a is b for a, b in zip(self.meshes, other.meshes, strict=True))
+
+
+def stand_on(cloth: Mesh, meshes: Sequence[Mesh], height: float | None, color) -> Ground:
+    """The ground below a cloth and objects, at a height (m) or, if None, just under the lowest point of all."""
+    boxes = np.array([mesh.bounds for mesh in (cloth, *meshes)])
+    if height is None:
+        height = float(boxes[:, 0, 1].min() - GAP * cloth.radius)
+    middle = cloth.center[[0, 2]]
+    reach = np.abs(boxes[..., [0, 2]] - middle).max()
+    scale = 2.0 * float(np.clip(reach, 0.5 * cloth.radius, FARTHEST * cloth.radius))
+    return Ground(height, (float(middle[0]), float(middle[1])), scale, tuple(map(float, color)))

@@ -1,0 +1,18 @@
+// Irradiance as the sum over every direction of a cube map and the suns: "lit.glsl" of method reference.
+// Each pass adds `direction_count` directions from `first_direction` on.
+#include "along.glsl"
+layout(binding = 10) uniform samplerBuffer direction_data;   // pairs: (omega, 1 if a ray decides), (flux, solid angle)
+uniform int first_direction;
+uniform int direction_count;
+
+vec3 irradiance(ivec2 pixel, vec3 N) {
+    vec3 origin = origin_at(pixel);
+    vec3 E = vec3(0.0);
+    for (int d = first_direction; d < first_direction + direction_count; ++d) {
+        vec4 direction = texelFetch(direction_data, 2 * d);
+        float cos_theta = dot(direction.xyz, N);
+        if (cos_theta <= 0.0) continue;
+        E += cos_theta * flux_along(origin, direction, texelFetch(direction_data, 2 * d + 1));
+    }
+    return E;
+}
