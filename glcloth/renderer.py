@@ -44,7 +44,9 @@ OCCLUDER_STRUCTURE = "lbvh"  # any-hit rays of the built-in cloth: as fast as th
 # Numbers of tangents and widths of lobes that need a program each (cloth/direct.py, VARIANTS). More than 8 tangents take
 # seconds to compile and are rare: those wait for it. The first comes twice: llvmpipe compiles the very first one anew.
 WARM_UP = ((4, 20.0), (4, 4.0), (5, 4.0), (8, 4.0), (4, 20.0))
-BAND_PIXELS = 120_000  # of the G-buffer at a time, where a caller has other things to do in between
+# Where a caller has other things to do in between:
+BAND_PIXELS = 120_000  # of the G-buffer at a time
+SLICE = 0.012  # seconds of rays from pixels at a time
 KEPT_SIZES = 3  # G-buffers that stay when the size of the picture changes
 
 
@@ -288,7 +290,7 @@ class Renderer:
         program = self.program("passes/shade.frag", method, shadows is not None)
         buffer.clear_color()
         if scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1:
-            for _ in self._shade_adaptively(buffer, mesh, method, program, frame, shadows, rows, around):
+            for _ in self._shade_adaptively(buffer, mesh, method, program, frame, shadows, rows, around, hurry):
                 yield 0, 1
             if around is not None:
                 self._shade_around(buffer, around, method, frame, passes)
@@ -298,7 +300,7 @@ class Renderer:
         for done, (offset, uniforms) in enumerate(track(jobs, what) if what and len(jobs) > 1 else jobs):
             number = done % max(len(passes), 1)
             if offset != drawn:
-                for _ in self._place(buffer, mesh, method, frame, shadows, offset, rows is not None, around):
+                for _ in self._place(buffer, mesh, method, frame, shadows, offset, rows is not None, around, hurry):
                     yield done, len(jobs)
                 drawn = offset
             first = 0
@@ -406,6 +408,7 @@ class Renderer:
         offset,
         in_bands: bool,
         around: Around | None,
+        hurry: bool,
     ) -> Iterator[None]:
         """Draw what every pixel sees of the cloth and about it, and of the lights; in bands it yields after each."""
         rows = max(1, BAND_PIXELS // buffer.size[0]) if in_bands else buffer.size[1]
@@ -429,6 +432,12 @@ class Renderer:
             if in_bands:
                 self.ctx.finish()
                 yield
+            if not hurry:
+                places = sample_offsets(frame.scene.spp)
+                sample = places.index(offset), len(places)
+                for _ in shadows.edges(buffer, sample, *([SLICE] if in_bands else [])):
+                    if in_bands:
+                        yield
         if around is not None and frame.scene.method != "reference":
             around.look(buffer)
             if in_bands:
@@ -459,11 +468,12 @@ class Renderer:
         shadows: Shadows | None,
         rows: Callable[[], int] | None,
         around: Around | None,
+        hurry: bool,
     ) -> Iterator[None]:
         """One pixel in four, and the others where their neighbours differ; `high` and spp > 1 shade every pixel."""
         if self._adaptive is None:
             self._adaptive = AdaptiveRate(self.ctx)
-        yield from self._place(buffer, mesh, method, frame, shadows, (0.0, 0.0), rows is not None, around)
+        yield from self._place(buffer, mesh, method, frame, shadows, (0.0, 0.0), rows is not None, around, hurry)
         list_program = self.program("passes/shade_list.comp", method, shadows is not None)
 
         def bind(one) -> None:

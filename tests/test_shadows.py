@@ -11,7 +11,7 @@ from glcloth.accel.triangles import Triangles
 from glcloth.camera import Camera
 from glcloth.cloth.albedo import diffuse_albedo
 from glcloth.cloth.probes import LONGEST_EDGE, place_probes, subdivided
-from glcloth.cloth.shadows import Shadows
+from glcloth.cloth.shadows import EDGE_RAYS, Shadows
 from glcloth.cloth.visibility import (
     BROAD_FLOOR,
     COSINE,
@@ -406,6 +406,59 @@ def test_steps_in_a_hurry_end_in_the_same_picture(renderer):
     renderer._shadows = None
     assert np.array_equal(renderer.render_frame(frame), late[..., :3])
     assert 0 < np.abs(first - late).mean() < 0.1 * late.mean()
+
+
+def test_pixels_look_into_narrow_gaussians_where_vertices_do_not_agree(renderer):
+    """What pixels at the edge of a shadow see is counted by rays; what they shade is darkest in the middle of it."""
+    mesh = joined(sheet(10), sheet(4, height=0.5, size=0.3))
+    gaussians = SphericalGaussians([[-0.6, 0.8, 0.0], [0, 1, 0]], [600.0, 2.0], np.ones((2, 3)))
+    scene = dict(fabric="linen", mesh=mesh, lights=Lights(gaussians), camera=VIEW, size=(48, 48), background=False)
+    frame = renderer.prepare(shadows="full", **scene)
+
+    def seen():
+        buffer = renderer.gbuffer
+        layers = np.frombuffer(buffer.seen.read(), "u1").reshape(-1, 48, 48, 4)
+        return layers[0, ..., 1] / 255.0, layers[0, ..., 2] / 255.0
+
+    for _ in renderer.look(frame):
+        pass
+    for _ in renderer.steps(frame, hurry=True):
+        pass
+    (by_vertices, broad), buffer = seen(), renderer.gbuffer
+    for _ in renderer.steps(frame, rows=lambda: 8):
+        pass
+    by_pixels, broad_too = seen()
+    assert np.array_equal(broad, broad_too)
+    N, p = (np.frombuffer(t.read(), "f4").reshape(48, 48, 4) for t in (buffer.frame_N, buffer.frame_p))
+    D = twin.own_directions(gaussians.axis[0], 600.0, EDGE_RAYS)
+    origins = np.repeat(p[..., None, :3], len(D), 2)
+    hit = RayQueries(renderer.ctx).any_hit(renderer.occluders(frame.mesh), origins, np.broadcast_to(D, origins.shape))
+    exact = 1.0 - hit.reshape(48, 48, -1).mean(-1)
+    covered = N[..., 3] != 0
+    changed = covered & (by_pixels != by_vertices)
+    assert 50 < changed.sum() < 0.3 * covered.sum()
+    assert ((exact > 0.1) & (exact < 0.9) & covered).sum() > 20
+    # A ray that grazes the square's edge may round otherwise.
+    assert np.percentile(np.abs(by_pixels - exact)[changed], 95) < 0.1
+    assert np.abs(by_pixels - exact)[covered].mean() < 0.25 * np.abs(by_vertices - exact)[covered].mean()
+    late = renderer.gbuffer.read()
+    renderer._shadows = None
+    assert np.array_equal(renderer.render_frame(frame), late)
+
+
+def test_samples_of_a_pixel_share_the_rays_into_narrow_gaussians(renderer):
+    shadows = Shadows(renderer.ctx)
+    shadows._lights = LIGHTS
+    shadows._seen = renderer.ctx.texture_array((1, 1, 4), 4, dtype="f1")
+    seen = []
+    for spp, each in ((1, 16), (2, 8), (8, 4)):
+        for n in range(spp):
+            ((layer, begins, count),) = shadows._upload_edges(np.array([3]), (n, spp))
+            assert (layer, begins, count) == (1, (0, -1, -1, -1), each)
+            seen.append(np.frombuffer(shadows._edge_data.buffer.read(16 * count), "f4").reshape(-1, 4)[:, :3])
+    assert np.allclose(np.sort(seen[0], 0), np.sort(np.concatenate(seen[1:3]), 0))
+    axis = GAUSSIANS.axis[3]
+    assert all(np.diff(some @ axis).min() > 0 for some in seen)  # from the outside in
 
 
 def test_albedo_is_that_of_the_white_furnace(renderer):

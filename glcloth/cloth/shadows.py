@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 
 import moderngl
@@ -13,15 +14,19 @@ from ..gpu import TextureBuffer
 from ..lights import Lights
 from ..mesh import Mesh
 from ..raster import GBuffer
+from ..reference.visibility import own_directions
 from .scene_buffers import SceneBuffers
 from .settings import Shadows as Mode
-from .visibility import FEWEST, FLAT, VertexVisibility, broad_number, sun_number, top_number
+from .visibility import FEWEST, FLAT, NARROW, VertexVisibility, broad_number, sun_number, top_number
 
 SEEN_UNIT = 2
 SEEN_ALL, SEEN_PIXELS = "passes/seen_all.glsl", "passes/seen_pixels.glsl"
 TILE = 8
 FURNACE_VIEWS, FURNACE_LIGHTS = 64, 256
 MOVING_CLASSES = 8  # of probes on cloth that moves: each traces a quarter of its 32 directions at every pose
+EDGE_RAYS = 16  # of a pixel into a narrow Gaussian, of all its samples together,
+FEWEST_EDGE_RAYS = 4  # and of each
+PATIENCE = 0.1  # seconds of rays from pixels between two looks at Ctrl-C
 CUT = 2.0  # mean edges by which the vertices may move in the mean from pose to pose
 
 
@@ -38,7 +43,9 @@ class Shadows:
         self.follow = False
         self._structure = self._lights = None
         self._mode: Mode = "off"
+        self._edge_data = TextureBuffer(ctx, 16)
         self._filled: dict[GBuffer, tuple] = {}
+        self._looked: dict[GBuffer, int] = {}  # up to which row narrow Gaussians were looked into from its pixels
         self._furnace: tuple | None = None  # fabric, its albedo
         self._points: tuple | None = None
 
@@ -117,6 +124,7 @@ class Shadows:
             return
         kept = {key: value for key, value in self._filled.items() if key.seen is not None}
         self._filled = kept | {buffer: (lights, state)}
+        self._looked = {key: rows for key, rows in self._looked.items() if key in kept and key is not buffer}
         mesh = buffer.drawn[0]
         buffer.bind_points(None)
         seen.bind_to_image(0, read=False, write=True)
@@ -138,6 +146,61 @@ class Shadows:
             buffer.bind_points(program)
             self._run(program, buffer, sun_count=len(suns), first_layer=sun_layer)
         self.ctx.memory_barrier()
+
+    def edges(self, buffer: GBuffer, sample: tuple[int, int] = (0, 1), seconds: float = PATIENCE) -> Iterator[int]:
+        """Look into the narrow Gaussians again, from those pixels of a G-buffer that was looked at whose triangles' corners
+        do not agree on what they see of them. Does nothing where that is done, or poses are followed.
+
+        Parameters
+        ----------
+        sample : number of the sample in the pixel, and how many there are: they share the rays
+        seconds : of work, about, between two yields
+
+        Yields how many rows are done.
+        """
+        narrow = np.flatnonzero(self._lights.gaussians.sharpness >= NARROW)
+        first, height = self._looked.get(buffer, 0), buffer.size[1]
+        if self._mode != "full" or self.follow or not len(narrow) or first >= height:
+            return
+        program = self._program("visibility_narrow", {"accel.glsl": self._structure.source})
+        fours = self._upload_edges(narrow, sample)
+        rows = TILE
+        while first < height:
+            begin = time.perf_counter()
+            last = min(first + rows, height)
+            self._structure.bind(program)
+            self._seen.bind_to_image(0, read=True, write=True)
+            buffer.bind(program)
+            buffer.drawn[0].indices.bind(10)
+            self._edge_data.bind(11)
+            self.vertices.means.bind(12)
+            shader.set_uniforms(program, group_count=self.vertices.groups, first_row=first, last_row=last)
+            for layer, begins, count in fours:
+                shader.set_uniforms(program, layer=layer, begin=begins, direction_count=count)
+                program.run(-(-buffer.size[0] // TILE), -(-(last - first) // TILE))
+            self.ctx.memory_barrier()
+            self.ctx.finish()
+            self._looked[buffer] = first = last
+            faster = seconds / max(time.perf_counter() - begin, 1e-4)
+            rows = max(TILE, int(rows * min(max(faster, 0.25), 4.0)) // TILE * TILE)
+            yield last
+
+    def _upload_edges(self, narrow: np.ndarray, sample: tuple[int, int]) -> list[tuple]:
+        """Upload the directions of rays from pixels; returns each texel of four numbers that has narrow Gaussians, where
+        their directions begin (-1: none) and how many each has."""
+        gaussians = self._lights.gaussians
+        number, samples = sample
+        total = max(EDGE_RAYS // samples, FEWEST_EDGE_RAYS) * samples
+        # From the outside in, as the pass wants it.
+        own = np.stack([own_directions(gaussians.axis[k], gaussians.sharpness[k], total)[::-1] for k in narrow])
+        own = own[:, number::samples]
+        directions = np.zeros((own.shape[0] * own.shape[1], 4), "f4")
+        directions[:, :3] = own.reshape(-1, 3)
+        self._edge_data.write(directions)
+        begins = np.full(4 * self._seen.layers, -1)
+        begins[1 + narrow] = own.shape[1] * np.arange(len(narrow))
+        begins = begins.reshape(-1, 4)
+        return [(n, tuple(map(int, four)), own.shape[1]) for n, four in enumerate(begins) if (four >= 0).any()]
 
     def bind_seen(self, program) -> None:
         """Bind the values of the G-buffer that was looked at last, for a program with `sampler2DArray seen`."""
