@@ -26,6 +26,7 @@ FURNACE_VIEWS, FURNACE_LIGHTS = 64, 256
 MOVING_CLASSES = 8  # of probes on cloth that moves: each traces a quarter of its 32 directions at every pose
 EDGE_RAYS = 16  # of a pixel into a narrow Gaussian, of all its samples together,
 FEWEST_EDGE_RAYS = 4  # and of each
+FEWEST_TILES = 32  # of 8 x 8 pixels, at a time
 PATIENCE = 0.1  # seconds of rays from pixels between two looks at Ctrl-C
 CUT = 2.0  # mean edges by which the vertices may move in the mean from pose to pose
 
@@ -45,7 +46,7 @@ class Shadows:
         self._mode: Mode = "off"
         self._edge_data = TextureBuffer(ctx, 16)
         self._filled: dict[GBuffer, tuple] = {}
-        self._looked: dict[GBuffer, int] = {}  # up to which row narrow Gaussians were looked into from its pixels
+        self._looked: dict[GBuffer, int] = {}  # up to which tile narrow Gaussians were looked into from its pixels
         self._furnace: tuple | None = None  # fabric, its albedo
         self._points: tuple | None = None
 
@@ -156,34 +157,36 @@ class Shadows:
         sample : number of the sample in the pixel, and how many there are: they share the rays
         seconds : of work, about, between two yields
 
-        Yields how many rows are done.
+        Yields how many tiles of the picture are done.
         """
         narrow = np.flatnonzero(self._lights.gaussians.sharpness >= NARROW)
-        first, height = self._looked.get(buffer, 0), buffer.size[1]
-        if self._mode != "full" or self.follow or not len(narrow) or first >= height:
+        width, height = (-(-side // TILE) for side in buffer.size)
+        first = self._looked.get(buffer, 0)
+        if self._mode != "full" or self.follow or not len(narrow) or first >= width * height:
             return
         program = self._program("visibility_narrow", {"accel.glsl": self._structure.source})
         fours = self._upload_edges(narrow, sample)
-        rows = TILE
-        while first < height:
+        count = FEWEST_TILES
+        while first < width * height:
             begin = time.perf_counter()
-            last = min(first + rows, height)
+            count = min(count, width * height - first)
             self._structure.bind(program)
             self._seen.bind_to_image(0, read=True, write=True)
             buffer.bind(program)
             buffer.drawn[0].indices.bind(10)
             self._edge_data.bind(11)
             self.vertices.means.bind(12)
-            shader.set_uniforms(program, group_count=self.vertices.groups, first_row=first, last_row=last)
-            for layer, begins, count in fours:
-                shader.set_uniforms(program, layer=layer, begin=begins, direction_count=count)
-                program.run(-(-buffer.size[0] // TILE), -(-(last - first) // TILE))
+            shader.set_uniforms(program, group_count=self.vertices.groups, first_tile=first, row_tiles=width)
+            for layer, begins, rays in fours:
+                shader.set_uniforms(program, layer=layer, begin=begins, direction_count=rays)
+                program.run(count)
             self.ctx.memory_barrier()
             self.ctx.finish()
-            self._looked[buffer] = first = last
+            first += count
+            self._looked[buffer] = first
             faster = seconds / max(time.perf_counter() - begin, 1e-4)
-            rows = max(TILE, int(rows * min(max(faster, 0.25), 4.0)) // TILE * TILE)
-            yield last
+            count = max(FEWEST_TILES, int(count * min(max(faster, 0.25), 4.0)))
+            yield first
 
     def _upload_edges(self, narrow: np.ndarray, sample: tuple[int, int]) -> list[tuple]:
         """Upload the directions of rays from pixels; returns each texel of four numbers that has narrow Gaussians, where

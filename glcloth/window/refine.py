@@ -188,7 +188,8 @@ class Refiner(Slices):
 
         final = stage == "full"
         done = total = rows_done = 0
-        for done, total in self.renderer.steps(frame, rows):
+        # What the pixels see of narrow lights is not waited for but at the end.
+        for done, total in self.renderer.steps(frame, rows, hurry=not final):
             now = time.perf_counter()
             shaded = min(wanted[0], frame.scene.size[1])
             wanted[0] = 0

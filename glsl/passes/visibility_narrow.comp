@@ -14,8 +14,8 @@ uniform int group_count;     // of mean_data
 uniform int layer;           // of `seen`, and group of mean_data
 uniform ivec4 begin;         // of each Gaussian's directions; below 0: none
 uniform int direction_count; // of each
-uniform int first_row;
-uniform int last_row;        // the one after the last
+uniform int first_tile;      // of the picture, row by row
+uniform int row_tiles;
 
 const int FIRST = 5;       // rays that may tell that there is no edge
 const float EDGE = 0.03;   // of V: vertices that see more of a light than that, or less than all but that, are at no edge
@@ -45,8 +45,9 @@ float seen_of(vec3 x, vec3 N, int first, float otherwise) {
 }
 
 void main() {
-    ivec2 pixel = ivec2(gl_GlobalInvocationID.xy) + ivec2(0, first_row);
-    if (pixel.x >= textureSize(frame_N, 0).x || pixel.y >= last_row) return;
+    int tile = first_tile + int(gl_WorkGroupID.x);
+    ivec2 pixel = 8 * ivec2(tile % row_tiles, tile / row_tiles) + ivec2(gl_LocalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, textureSize(frame_N, 0)))) return;
     vec4 N = texelFetch(frame_N, pixel, 0);
     if (N.w == 0.0) return;
     int first = 3 * triangle_at(pixel);
