@@ -86,6 +86,11 @@ def test_a_curtain_is_renders_to_the_bit_and_opens_again(curtain):
     assert curtain["reopened"] == [True, True] and curtain["scene_reopened"]
 
 
+def test_a_curtain_is_compared_with_itself_otherwise_woven_and_drawn(curtain):
+    """A stays; B is traced with its own fabric and depth, or blended, to the bit; swapped, A has them."""
+    assert curtain["B"] == [True, True, True, [1.0, 1.0]] and curtain["swapped"] == [1, "Lace", 1, 3]
+
+
 def test_wind_and_cloth_change_while_the_curtain_moves(curtain):
     assert curtain["live"] == [3, True, 0.1] and curtain["openness"] == [3, 0.8]
     assert curtain["anew"] == [0, False] and curtain["undone"] == 1.8

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from glcloth.camera import Camera
+from glcloth.curtain.show import CurtainScene
 from glcloth.errors import InputError
 from glcloth.fabric import Fabric, Yarn, load_fabric, save_fabric
 from glcloth.image import write_image
 from glcloth.mesh import load_mesh
 from glcloth.renderer import METHODS
 from glcloth.scene import Scene, View, load_scene, save_scene
-from glcloth.window import curve, orbit, sharing
+from glcloth.window import curve, orbit, sharing, state
 from glcloth.window.controls import METHOD_FIELDS, controls
 from glcloth.window.state import Session
 
@@ -81,6 +82,35 @@ def test_an_edit_keeps_what_it_does_not_touch_identical():
     fabric = session.scene.fabric
     session.edit_scene(exposure=1.0)
     assert session.scene.fabric is fabric
+
+
+def test_b_of_the_curtain_has_fabric_and_rays_of_its_own():
+    session = Session(CurtainScene(fabric="lace", depth=2))
+    session.compare("split")
+    assert session.document.sides() == [session.curtain, session.curtain]
+    session.edit_other(accelerator="lbvh", depth=5)
+    session.hang(wind=2.0)
+    session.move(size=(80, 60))
+    a, b = session.document.sides()
+    assert (a.accelerator, a.depth, b.accelerator, b.depth) == ("kdtree", 2, "lbvh", 5)
+    assert b.curtain == a.curtain and b.size == (80, 60), "the same curtain"
+    session.edit_other(fabric="linen")
+    assert session.document.sides()[1].fabric.transmission is not None, "a sheer's"
+    session.swap()
+    assert session.curtain.depth == 5 and session.fabric.name == "Linen plain"
+    assert session.document.sides()[1].depth == 2 and session.document.sides()[1].fabric == "lace"
+    session.choose_mode("cloth")
+    assert session.document.other is None and session.document.sides() == [session.scene]
+
+
+def test_undo_keeps_so_many_steps_and_no_more(monkeypatch):
+    monkeypatch.setattr(state, "MOST_STEPS", 3)
+    session = Session(Scene())
+    for n in range(6):
+        session.edit_scene(exposure=float(n + 1))
+    while session.undo():
+        pass
+    assert session.scene.exposure == 3.0
 
 
 def test_a_rejected_edit_leaves_no_trace():

@@ -197,6 +197,22 @@ def drops(folder):
     return out
 
 
+def seen(app, number):
+    """The picture of one side: float32 [H, W, 3], top row first."""
+    texture = app.drawer.sides[number].texture
+    return np.frombuffer(texture.read(), "f4").reshape(texture.height, texture.width, 4)[::-1, :, :3]
+
+
+def traced_as(show, scene):
+    """The picture of a curtain as it hangs, with the fabric and the rays of another scene."""
+    show.build()
+    lighting, settings = scene.lighting, scene.settings
+    fabric = load_fabric(scene.fabric)
+    return show.tracer.trace(
+        scene.view, scene.size, fabric, lighting, show.environment, settings, env_rotate=scene.env_rotate
+    )
+
+
 def curtain(folder):
     """Played, changed on the way, saved and opened again; shaders reloaded; side by side with `render`."""
     small = CurtainParameters(quads=(48, 12), pleats=4, settle=0.2)
@@ -217,6 +233,27 @@ def curtain(folder):
     with CurtainShow(app.ctx, scene) as show:
         show.advance(3)
         out["as_render"] = bool(np.array_equal(show.picture(), third))
+        # B is the same curtain with rays and a fabric of its own, traced or as layers.
+        app.session.compare("split")
+        app.session.edit_other(depth=1, fabric="lace")
+        settle(app)
+        lace = scene.changed(depth=1, fabric="lace")
+        out["B"] = [
+            bool(np.array_equal(seen(app, 0), third)),
+            bool(np.array_equal(traced_as(show, lace), seen(app, 1))),
+        ]
+        app.session.draw_other(True)
+        app.session.compare("difference")
+        settle(app)
+        out["B"].append(bool(np.array_equal(show.layers(other=lace), seen(app, 1))))
+        out["B"].append([side.share for side in app.player.sides])
+        app.session.swap()
+        app.session.compare("off")
+        settle(app)
+        out["swapped"] = [app.session.curtain.depth, app.session.fabric.name, len(app.player.sides), app.frame]
+        for _ in range(3):
+            app.undo()
+        settle(app)
     same = []
     for name in ("c.exr", "c.png"):
         app.player.step(2)
@@ -453,6 +490,8 @@ def curtain_actions(app, rng, pick):
         lambda: app.player and app.player.restart(),
         lambda: app.tree and app.tree.show_level(pick((None, 0, 3, 8, 40))),
         lambda: session.edit_curtain(accelerator=pick(("kdtree", "kdtree", "lbvh", "brute"))),
+        lambda: session.edit_other(accelerator=pick(("kdtree", "lbvh")), depth=int(rng.integers(1, 5))),
+        lambda: session.draw_other(bool(rng.integers(2))),
         lambda: session.edit_curtain("d", depth=int(rng.integers(1, 9))),
         lambda: session.hang(name, **{name: float(rng.uniform(*limits[name]))}),
         lambda: session.hang(fullness=float(rng.uniform(1.0, 2.2))),

@@ -223,19 +223,21 @@ class CurtainShow:
         self.scene, self.fabric = scene, fabric
         return True
 
-    @property
-    def built(self) -> bool:
-        """Whether the scene's structure holds the present frame."""
-        return self.scene.accelerator in self._built
+    def is_built(self, accelerator: str) -> bool:
+        """Whether a structure holds the present frame."""
+        return accelerator in self._built
 
     def build(self) -> None:
         """Build the scene's structure for the present frame, if it is not yet."""
         for _ in self.building():
             pass
 
-    def building(self) -> Iterator[None]:
-        """As `build`, in steps for a caller with other things to do in between; begun anew when it is dropped."""
-        accelerator = self.scene.accelerator
+    def building(self, accelerator: str | None = None) -> Iterator[None]:
+        """As `build`, in steps for a caller with other things to do in between; begun anew when it is dropped.
+
+        accelerator : another one than the scene's
+        """
+        accelerator = accelerator or self.scene.accelerator
         if accelerator not in self._built:
             yield from self.tracer.build_steps(accelerator)
             self._built.add(accelerator)
@@ -246,21 +248,33 @@ class CurtainShow:
         s = self.scene
         return self.tracer.trace(s.view, s.size, self.fabric, s.lighting, self.environment, s.settings, s.env_rotate)
 
-    def steps(self, size: tuple[int, int], spp: int, pixels: Callable[[], int]) -> Iterator[float]:
+    def steps(
+        self, size: tuple[int, int], spp: int, pixels: Callable[[], int], other: CurtainScene | None = None
+    ) -> Iterator[float]:
         """Trace the present frame tile by tile into `tracer.picture`, as Tracer.steps does; at the scene's size and
-        samples it is `picture`, bit for bit."""
-        self.build()
-        s = self.scene
+        samples it is `picture`, bit for bit.
+
+        other : a scene whose fabric, rays and structure to take for this picture; the curtain hangs as it hangs
+        """
+        s = other or self.scene
+        for _ in self.building(s.accelerator):
+            pass
+        fabric = self.fabric if other is None else load_fabric(other.fabric)
         settings = dataclasses.replace(s.settings, spp=spp)
         return self.tracer.steps(
-            s.view, size, self.fabric, s.lighting, self.environment, settings, s.env_rotate, None, pixels
+            s.view, size, fabric, s.lighting, self.environment, settings, s.env_rotate, None, pixels
         )
 
-    def layers(self) -> np.ndarray:
-        """The present frame rasterised: sorted layers, blended, without shadows; result as for `picture`."""
+    def layers(self, size: tuple[int, int] | None = None, other: CurtainScene | None = None) -> np.ndarray:
+        """The present frame rasterised: sorted layers, blended, without shadows; result as for `picture`.
+
+        size, other : as for `steps`
+        """
+        s = other or self.scene
+        fabric = self.fabric if other is None else load_fabric(other.fabric)
         background = tuple(map(float, self.environment.mean))
-        lighting = dataclasses.replace(self.scene.lighting, background=background)
-        return self.tracer.layers(self.scene.view, self.scene.size, self.fabric, lighting)
+        lighting = dataclasses.replace(s.lighting, background=background)
+        return self.tracer.layers(s.view, size or s.size, fabric, lighting)
 
     def tree(self, level: int | None = None, camera: Camera | None = None) -> np.ndarray:
         """The structure of the present frame as a picture, of one level or (None) of its leaves; result as for `picture`."""

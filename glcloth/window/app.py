@@ -34,6 +34,7 @@ PATIENCE = 0.06  # seconds
 QUIET = 0.7  # seconds without an event after which nobody is taken to be at work
 WAKE = 3  # pictures of the panels after an event: hovering and fading settle within these
 NOT_LIGHT = ("exposure", "view_transform")  # how a picture is shown
+_CURTAIN_LOOK = CurtainScene()
 
 
 class App:
@@ -63,7 +64,7 @@ class App:
         self._full_begin = 0.0
         self._awake = WAKE
         self._shown: Document | None = None
-        self._curtain_drawn: CurtainScene | None = None
+        self._curtain_drawn: tuple[list[CurtainScene], bool] | None = None  # the sides, and whether B is layered
         self._go_to: int | None = frame_of(source) if isinstance(scene, CurtainScene) else None
         self._ui_seconds = 0.005  # what the panels take of a step
         self._presented = 0.0
@@ -317,22 +318,28 @@ class App:
         )
 
     def _follow_curtain(self, document: Document) -> bool:
-        scene = document.curtain
+        scene, *others = document.sides()
         environment = self.resources.ask_curtain(scene, self.session.fabric)
+        if others:
+            # Read once, so that it is one and the same object from picture to picture.
+            others = [others[0].model_copy(update={"fabric": self.session.resolve(others[0].fabric)})]
+            if self.resources.ask_curtain(others[0], others[0].fabric) is None:
+                environment = None
         fresh = document is not self._shown
         self._shown, self.pending = document, environment is None
         if environment is None:
             return fresh
         if self.player is None:
             self.player = Player(self.ctx, self._tree_follows)
-        drawn = self._curtain_drawn
-        if drawn is None or scene != drawn.model_copy(update={name: getattr(scene, name) for name in NOT_LIGHT}):
-            self.player.show(scene, environment)
+        look = {name: getattr(_CURTAIN_LOOK, name) for name in NOT_LIGHT}
+        wanted = [side.model_copy(update=look) for side in (scene, *others)], bool(others) and document.layered
+        if wanted != self._curtain_drawn:
+            self.player.show(scene, environment, others[0] if others else None, document.layered)
             self._full_begin = time.perf_counter()
             if self.tree is not None:
                 self.tree.look_as(scene.view)
             fresh = False
-        self._curtain_drawn = scene
+        self._curtain_drawn = wanted
         if self._go_to is not None:
             self.player.go_to(self._go_to)
             self._go_to = None
@@ -382,10 +389,9 @@ class App:
         document = self.session.document
         shown = document.shown
         look = Look(shown.exposure, shown.view_transform, getattr(shown, "background", True))
-        compare = document.compare if document.mode == "cloth" else "off"
         if document.mode == "cloth" or self.player is not None:
             self._screen.draw(
-                self.drawer.sides, look, self.rectangle(), compare, document.split, document.difference_scale
+                self.drawer.sides, look, self.rectangle(), document.compare, document.split, document.difference_scale
             )
 
     def screen(self) -> np.ndarray:

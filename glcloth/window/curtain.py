@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import moderngl
+import numpy as np
 
 from .. import shader
 from ..curtain.show import CurtainScene, CurtainShow
@@ -52,7 +53,8 @@ class Player(Slices):
         self.touched = False  # wind or cloth changed on the way: no other run comes to this shape
         self._fresh = fresh
         self._wanted = 0  # the frame to simulate up to
-        self._next: tuple[CurtainScene, Environment] | None = None
+        self._other: CurtainScene | None = None  # side B, and whether it is drawn as layers
+        self._layered = False
         self._hanging: Iterator[float] | None = None
         self._moving: Iterator[None] | None = None
         self._pace: dict[tuple, float] = {}
@@ -74,13 +76,17 @@ class Player(Slices):
         """The frame that it is on its way to."""
         return self._wanted
 
-    def show(self, scene: CurtainScene, environment: Environment) -> None:
-        """Draw this scene from now on. Raises InputError when its files cannot be read."""
+    def show(
+        self, scene: CurtainScene, environment: Environment, other: CurtainScene | None = None, layered: bool = False
+    ) -> None:
+        """Draw this scene from now on, and beside it the same curtain as `other` has its fabric, structure and rays;
+        `layered`: as blended layers without shadows. Raises InputError when its files cannot be read."""
         before = None if self.curtain is None else self.curtain.simulation.parameters
         if before is None or not self.curtain.change(scene, environment):
             self._hang_anew(scene, environment)
         elif self.curtain.simulation.parameters != before:
             self.touched |= self.frame > 0 or self._moving is not None
+        self._other, self._layered = other, layered
         self._begin()
 
     def _hang_anew(self, scene: CurtainScene, environment: Environment) -> None:
@@ -97,9 +103,10 @@ class Player(Slices):
         edits of a drag, one after the other, would let none be seen."""
         if self.curtain is None:
             return
-        if not self.sides:
-            self.sides = [Side()]
-        self.sides[0].share = 0.0
+        count = 1 if self._other is None else 2
+        self.sides = [*self.sides, Side(), Side()][:count]
+        for side in self.sides:
+            side.share = 0.0
         super()._begin()
 
     def play(self) -> None:
@@ -154,12 +161,16 @@ class Player(Slices):
                 self._wanted = self.curtain.frame + 1
             while self.curtain.frame < self._wanted:
                 yield from self._simulate()
-            yield from self._build()
+            scenes = self._scenes()
+            for number, scene in enumerate(scenes):
+                if not self._is_layered(number):
+                    yield from self._build(scene)
             self._tell()
-            scale = self._scale(PLAYING if self.playing else MOVING)
+            scale = self._scale(scenes, PLAYING if self.playing else MOVING)
             playing = self.playing
-            for _ in self._trace("preview", scale, 1):
-                yield False
+            for number, scene in enumerate(scenes):
+                for _ in self._picture(number, scene, "preview", scale, 1):
+                    yield False
             now = time.perf_counter()
             if playing and self._last_frame:
                 last, new = self.timings.frame, 1e3 * (now - self._last_frame)
@@ -170,21 +181,23 @@ class Player(Slices):
                 break
         self._refining = True
         spp = self.curtain.scene.spp
-        if scale > 2.0 and self._guess(1.0) * spp > HALF_FROM:
-            for _ in self._trace("half", 2.0, 1):
-                yield False
+        if scale > 2.0 and self._guess(scenes, 1.0) * spp > HALF_FROM:
+            for number, scene in enumerate(scenes):
+                for _ in self._picture(number, scene, "half", 2.0, 1):
+                    yield False
             yield True
-        seen = time.perf_counter()
-        for done in self._trace("full", 1.0, spp):
-            self.sides[0].share = min(done, 0.999)
-            if time.perf_counter() - seen > REVEAL and done < 1.0:
-                self._take("partial", self._size(1.0), 1.0, spp)
-                seen = time.perf_counter()
-                yield True
-            else:
-                yield False
-        self.sides[0].share = 1.0
-        yield True
+        for number, scene in enumerate(scenes):
+            seen = time.perf_counter()
+            for done in self._picture(number, scene, "full", 1.0, spp):
+                self.sides[number].share = min(done, 0.999)
+                if time.perf_counter() - seen > REVEAL and done < 1.0:
+                    self._take(number, "partial", self._size(1.0), 1.0, spp)
+                    seen = time.perf_counter()
+                    yield True
+                else:
+                    yield False
+            self.sides[number].share = 1.0
+            yield True
 
     def _hang(self) -> Iterator[bool]:
         # A for loop and not `yield from`: when the plan is dropped, what is half done must stay.
@@ -211,11 +224,18 @@ class Player(Slices):
         self._moving = None
         self.timings.simulate = 1e3 * self._simulated
 
-    def _build(self) -> Iterator[bool]:
-        if self.curtain.built:
+    def _scenes(self) -> list[CurtainScene]:
+        """What the sides show."""
+        return [self.curtain.scene, *([] if self._other is None else [self._other])]
+
+    def _is_layered(self, number: int) -> bool:
+        return number == 1 and self._layered
+
+    def _build(self, scene: CurtainScene) -> Iterator[bool]:
+        if self.curtain.is_built(scene.accelerator):
             return
         spent, begin = 0.0, time.perf_counter()
-        for _ in self.curtain.building():
+        for _ in self.curtain.building(scene.accelerator):
             self.ctx.finish()
             spent += time.perf_counter() - begin
             yield False
@@ -234,21 +254,35 @@ class Player(Slices):
     def tell_again(self) -> None:
         """Call `fresh` for the present frame once more."""
         self._told = None
-        if self.curtain is not None and self._hanging is None and self._moving is None and self.curtain.built:
+        curtain = self.curtain
+        if curtain is None or self._hanging is not None or self._moving is not None:
+            return
+        if curtain.is_built(curtain.scene.accelerator):
             self._tell()
 
     # -- pictures ----------------------------------------------------------------------------------------------------
 
-    def _trace(self, stage: str, scale: float, spp: int) -> Iterator[float]:
+    def _picture(self, number: int, scene: CurtainScene, stage: str, scale: float, spp: int) -> Iterator[float]:
+        """Draw a side at a size and put it to be seen; yields the share that is done."""
+        if self._is_layered(number):
+            size = self._size(scale)
+            picture = np.ones((size[1], size[0], 4), np.float32)
+            picture[..., :3] = self.curtain.layers(size, scene)[::-1]
+            self._put(number, stage, size, scale, lambda texture: texture.write(picture.tobytes()))
+            yield 1.0
+        else:
+            yield from self._trace(number, scene, stage, scale, spp)
+
+    def _trace(self, number: int, scene: CurtainScene, stage: str, scale: float, spp: int) -> Iterator[float]:
         """Trace the frame at a size, tile by tile, and put it to be seen."""
         size = self._size(scale)
-        key = self._key()
+        key = _key(scene)
         drawn, last = 0.0, time.perf_counter()
 
         def pixels() -> int:
             return max(64, int(SLICE / self._pace.get(key, FIRST_PACE)))
 
-        for done in self.curtain.steps(size, spp, pixels):
+        for done in self.curtain.steps(size, spp, pixels, scene if number else None):
             now = time.perf_counter()
             # What every tile costs, however small, is no reason for smaller ones.
             spent = max(now - last - FIXED, 0.25 * (now - last))
@@ -259,48 +293,58 @@ class Player(Slices):
             drawn = done
             yield done
             last = time.perf_counter()
-        self.timings.trace = self.curtain.tracer.statistics.total_ms
-        self._take(stage, size, scale, spp)
-
-    def _key(self) -> tuple:
-        scene = self.curtain.scene
-        return scene.accelerator, scene.depth
+        if number == 0:
+            self.timings.trace = self.curtain.tracer.statistics.total_ms
+        self._take(number, stage, size, scale, spp)
 
     def _size(self, scale: float) -> tuple[int, int]:
         width, height = self.curtain.scene.size
         return max(1, round(width / scale)), max(1, round(height / scale))
 
-    def _guess(self, scale: float) -> float:
-        """Seconds that a picture of one sample takes."""
+    def _guess(self, scenes: list[CurtainScene], scale: float) -> float:
+        """Seconds that pictures of one sample take."""
         width, height = self._size(scale)
-        return FIXED + 0.7 * width * height * self._pace.get(self._key(), FIRST_PACE)
+        return sum(FIXED + 0.7 * width * height * self._pace.get(_key(scene), FIRST_PACE) for scene in scenes)
 
-    def _scale(self, seconds: float) -> float:
-        """The largest picture that is traced in so many seconds: how much smaller it is."""
-        return next((scale for scale in LADDER if self._guess(scale) <= seconds), LADDER[-1])
+    def _scale(self, scenes: list[CurtainScene], seconds: float) -> float:
+        """The largest pictures that are traced in so many seconds: how much smaller they are."""
+        return next((scale for scale in LADDER if self._guess(scenes, scale) <= seconds), LADDER[-1])
 
-    def _take(self, stage: str, size: tuple[int, int], scale: float, spp: int) -> None:
+    def _take(self, number: int, stage: str, size: tuple[int, int], scale: float, spp: int) -> None:
         """Copy the tracer's picture into a texture of the side."""
-        side = self.sides[0]
-        texture, framebuffer = self._target(stage, size)
-        self.curtain.tracer.picture.bind_to_storage_buffer(0)
-        (side.texture or texture).use(1)
-        shader.set_uniforms(self._copy, size=size, samples=float(spp))
+
+        def copy(texture: moderngl.Texture) -> None:
+            self.curtain.tracer.picture.bind_to_storage_buffer(0)
+            (self.sides[number].texture or texture).use(1)
+            shader.set_uniforms(self._copy, size=size, samples=float(spp))
+            self.ctx.viewport = (0, 0, *size)
+            self.ctx.enable_only(moderngl.NOTHING)
+            self._array.render(moderngl.TRIANGLES, vertices=3)
+            # Mesa 22's llvmpipe lets the next picture into the buffer while fragments still read it.
+            self.ctx.finish()
+
+        self._put(number, stage, size, scale, copy)
+
+    def _put(
+        self, number: int, stage: str, size: tuple[int, int], scale: float, fill: Callable[[moderngl.Texture], None]
+    ) -> None:
+        """Show on a side what `fill` puts into a texture, or draws into its framebuffer."""
+        if number >= len(self.sides):
+            return  # it is compared no longer
+        side = self.sides[number]
+        texture, framebuffer = self._target(number, stage, size)
         framebuffer.use()
-        self.ctx.viewport = (0, 0, *size)
-        self.ctx.enable_only(moderngl.NOTHING)
-        self._array.render(moderngl.TRIANGLES, vertices=3)
+        fill(texture)
         side.texture, side.scale = texture, scale
         side.version += 1
 
-    def _target(self, stage: str, size: tuple[int, int]) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
+    def _target(self, number: int, stage: str, size: tuple[int, int]) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
         # What grows is filled up with what is shown, so it must not overwrite that: two take turns.
-        current = self.sides[0].texture
-        if stage == "partial":
-            names = [name for name in ("partial 0", "partial 1") if self._targets.get(name, (None,))[0] is not current]
-            stage = names[0]
-        elif current is not None and self._targets.get(stage, (None,))[0] is current:
-            stage += " again"
+        current = self.sides[number].texture
+        stage = f"{stage} {number}"
+        if stage.startswith("partial") or (current is not None and self._targets.get(stage, (None,))[0] is current):
+            turns = (stage, f"{stage} again")
+            stage = next(name for name in turns if self._targets.get(name, (None,))[0] is not current)
         found = self._targets.get(stage)
         if found is None or found[0].size != size:
             if found is not None:
@@ -339,3 +383,8 @@ class Player(Slices):
         for thing in (self._array, self._copy):
             thing.release()
         self._targets, self.sides, self.curtain = {}, [], None
+
+
+def _key(scene: CurtainScene) -> tuple:
+    """What the seconds that a pixel takes depend on."""
+    return scene.accelerator, scene.depth

@@ -10,12 +10,14 @@ from ..curtain.cloth import LIVE
 from ..curtain.show import CurtainScene
 from ..fabric import builtin_fabrics
 from .controls import controls, curtain_controls
+from .state import OWN
 from .widgets import CLAMP, GREY, button_if, chooser, control, tip
 
 if TYPE_CHECKING:
     from .app import App
 
 RAYS = controls(CurtainScene, ("accelerator", "depth", "spp", "spread"))
+OTHER = [item for item in RAYS if item.name in OWN]
 LAMP = controls(CurtainScene, ("lamp_position", "lamp_intensity", "ambient"))
 MOVING = [c for c in curtain_controls() if c.name in LIVE]
 HANGING = [c for c in curtain_controls() if c.name not in LIVE]
@@ -81,6 +83,21 @@ class CurtainPanel:
             done = item.kind == "choice" or imgui.is_item_deactivated_after_edit() or not imgui.is_any_item_active()
             if item.name in self._draft and done:
                 self.app.attempt(session.hang, None, **{item.name: self._draft.pop(item.name)})
+
+    def other(self, scene: CurtainScene) -> None:
+        """What side B has of its own beside its fabric."""
+        session = self.app.session
+        changed, layered = imgui.checkbox("blended layers, without shadows", session.document.layered)
+        if changed:
+            session.draw_other(layered)
+        if layered:
+            return
+        imgui.push_id("b")
+        for item in OTHER:
+            changed, new = control(item, getattr(scene, item.name))
+            if changed:
+                self.app.attempt(session.edit_other, f"b {item.name}", **{item.name: new})
+        imgui.pop_id()
 
     def _tree(self) -> None:
         """The second window and the level that it shows."""

@@ -113,7 +113,7 @@ class Navigation:
     def _kind(self, button: int, shift: bool, x: float, left: int, width: int) -> str:
         document = self.app.session.document
         near = abs(x - left - document.split * width) < SPLIT_REACH * self.app.scale
-        if document.mode == "cloth" and document.compare == "split" and button == 0 and near:
+        if document.compare == "split" and button == 0 and near:
             return "split"
         if button == 2 or (button == 0 and shift):
             return "pan"

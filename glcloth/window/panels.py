@@ -70,7 +70,7 @@ class Panels:
             self._light()
         if imgui.collapsing_header("View"):
             self._view()
-        if not in_curtain and imgui.collapsing_header("Compare A and B"):
+        if imgui.collapsing_header("Compare A and B"):
             self._compare()
         if imgui.collapsing_header("Files"):
             self._files()
@@ -223,7 +223,7 @@ class Panels:
         if imgui.button("B = A"):
             session.keep_as_other()
         imgui.same_line()
-        if button_if("Swap A and B", document.other is not None):
+        if button_if("Swap A and B", document.shown_other is not None):
             session.swap()
         document = session.document
         if document.compare == "split":
@@ -234,13 +234,16 @@ class Panels:
             changed, new = imgui.slider_float("|A - B| x", document.difference_scale, 0.5, 64.0, "%.1f", CLAMP)
             if changed:
                 session.compare("difference", "scale", difference_scale=neat(new))
-        other = document.other
+        other = session.document.shown_other
         if document.compare == "off" or other is None:
             return
         imgui.text_colored(GREY, f"B: {session.resolve(other.fabric).name}")
-        if new := chooser("method of B", other.method, list(METHODS)):
-            self.app.attempt(session.edit_other, method=new)
-        self._settings(other, session.edit_other, "b")
+        if session.in_curtain:
+            self.curtain.other(other)
+        else:
+            if new := chooser("method of B", other.method, list(METHODS)):
+                self.app.attempt(session.edit_other, method=new)
+            self._settings(other, session.edit_other, "b")
         value = other.fabric if isinstance(other.fabric, str) else other.fabric.name
         if new := chooser("fabric of B", value, builtin_fabrics()):
             self.app.attempt(session.edit_other, fabric=new)

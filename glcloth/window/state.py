@@ -14,6 +14,9 @@ Compare = Literal["off", "split", "difference"]
 Mode = Literal["cloth", "curtain"]
 # What B takes from A: the two sides show the same view of the same cloth in the same light.
 SHARED = ("mesh", "env", "env_rotate", "size", "exposure", "view_transform", "background", "camera")
+# What B of the curtain has of its own: it is the same curtain, at the same moment, in the same light.
+OWN = ("fabric", "accelerator", "depth", "spread")
+MOST_STEPS = 1000  # of undo that are kept
 # Moving around is no edit: undo leaves the eye where it is.
 NAVIGATION = ("camera", "size")
 _CURTAIN = CurtainScene()
@@ -33,6 +36,8 @@ class Document:
     difference_scale : brightness of |A - B|
     mode : which of the two scenes is shown, `scene` or `curtain`
     curtain, curtain_origin : the curtain, and its fabric as it was chosen
+    curtain_other : side B of the curtain, kept in full; only what is in OWN counts
+    layered : whether B of the curtain is drawn as blended layers without shadows, and not traced
     """
 
     scene: Scene
@@ -44,17 +49,27 @@ class Document:
     mode: Mode = "cloth"
     curtain: CurtainScene = _CURTAIN
     curtain_origin: str | Fabric = _CURTAIN.fabric
+    curtain_other: CurtainScene | None = None
+    layered: bool = False
 
     @property
     def shown(self) -> Scene | CurtainScene:
         """The scene that is shown."""
         return self.scene if self.mode == "cloth" else self.curtain
 
-    def sides(self) -> list[Scene]:
+    @property
+    def shown_other(self) -> Scene | CurtainScene | None:
+        """Side B of what is shown."""
+        return self.other if self.mode == "cloth" else self.curtain_other
+
+    def sides(self) -> list[Scene] | list[CurtainScene]:
         """The scenes to draw: A, and B while it is compared."""
-        if self.compare == "off" or self.other is None:
-            return [self.scene]
-        return [self.scene, self.other.model_copy(update={name: getattr(self.scene, name) for name in SHARED})]
+        a, b = self.shown, self.shown_other
+        if self.compare == "off" or b is None:
+            return [a]
+        if self.mode == "curtain":
+            return [a, a.model_copy(update={name: getattr(b, name) for name in OWN})]
+        return [a, b.model_copy(update={name: getattr(a, name) for name in SHARED})]
 
 
 class Session:
@@ -133,7 +148,7 @@ class Session:
         if document == self.document:
             return
         if gesture is None or gesture != self._gesture:
-            self._undo.append(self.document)
+            self._undo = [*self._undo[1 - MOST_STEPS :], self.document]
         self._gesture = gesture
         self._redo.clear()
         self.document = document
@@ -167,9 +182,20 @@ class Session:
         self.apply(replace(self.document, mode=mode))
 
     def edit_other(self, gesture: str | None = None, **changes) -> None:
-        """Change fields of side B."""
-        other = self._changed(self.document.other or self.scene, changes)
-        self.apply(replace(self.document, other=other), gesture)
+        """Change fields of side B. Raises InputError for values out of range."""
+        if self.in_curtain and "fabric" in changes:
+            changes["fabric"] = self._hangable(changes["fabric"])
+        other = self._changed(self.document.shown_other or self.shown, changes)
+        self.apply(self._with_other(other), gesture)
+
+    def _with_other(self, other: Scene | CurtainScene, **changes) -> Document:
+        """The document with another side B."""
+        return replace(self.document, **{"curtain_other" if self.in_curtain else "other": other}, **changes)
+
+    def _hangable(self, fabric: str | Fabric) -> str | Fabric:
+        """A fabric that the ray tracer can take: one without transmission gets that of a white sheer."""
+        value = self.resolve(fabric)
+        return fabric if value.transmission is not None else value.changed(transmission=Transmission())
 
     @staticmethod
     def _changed(scene, changes: dict):
@@ -182,9 +208,9 @@ class Session:
 
         In the curtain a fabric without transmission gets that of a white sheer.
         """
-        value = self.resolve(fabric)
+        self.resolve(fabric)
         if self.in_curtain:
-            fabric = fabric if value.transmission is not None else value.changed(transmission=Transmission())
+            fabric = self._hangable(fabric)
         self._take_fabric(fabric, origin=fabric)
 
     def edit_fabric(self, fabric: Fabric, gesture: str | None = None) -> None:
@@ -220,21 +246,27 @@ class Session:
 
     def compare(self, how: Compare, gesture: str | None = None, **changes) -> None:
         """Show or hide side B; the first time B becomes a copy of A."""
-        other = self.document.other if self.document.other is not None or how == "off" else self.scene
-        self.apply(replace(self.document, compare=how, other=other, **changes), gesture)
+        other = self.document.shown_other
+        self.apply(
+            self._with_other(self.shown if other is None and how != "off" else other, compare=how, **changes), gesture
+        )
 
     def keep_as_other(self) -> None:
         """B becomes a copy of A."""
-        self.apply(replace(self.document, other=self.scene))
+        self.apply(self._with_other(self.shown))
+
+    def draw_other(self, layered: bool) -> None:
+        """Draw side B of the curtain as blended layers, or trace it."""
+        self.apply(replace(self.document, layered=layered))
 
     def swap(self) -> None:
-        """A becomes B and B becomes A; the view stays."""
-        other = self.document.other
+        """A becomes B and B becomes A; what they share stays."""
+        other = self.document.shown_other
         if other is None:
             return
-        kept = {name: getattr(self.scene, name) for name in SHARED}
-        scene = other.model_copy(update=kept)
-        self.apply(replace(self.document, scene=scene, origin=other.fabric, other=self.scene))
+        scene = replace(self.document, compare="split").sides()[1]
+        names = ("curtain", "curtain_origin") if self.in_curtain else ("scene", "origin")
+        self.apply(self._with_other(self.shown, **dict(zip(names, (scene, other.fabric), strict=True))))
 
     def open(self, scene: Scene | CurtainScene) -> None:
         """Take another scene as a whole and show it. Raises InputError when its fabric cannot be read or does not serve."""
