@@ -24,7 +24,7 @@ from .cloth.probes import lift_off_facets, subdivided
 from .cloth.scene_buffers import SceneBuffers
 from .cloth.settings import MethodName, Quality, Settings
 from .cloth.settings import Shadows as ShadowMode
-from .cloth.shadows import SEEN_ALL, SEEN_PIXELS, Shadows, is_next_pose
+from .cloth.shadows import SEEN_ALL, Shadows, is_next_pose
 from .context import create_context
 from .environment import Environment, load_environment, rotation_y
 from .errors import InputError
@@ -287,7 +287,7 @@ class Renderer:
             for job in track(placing, f"{scene.method}: light on the folds") if what else placing:
                 job()
                 yield 0, len(jobs)
-        program = self.program("passes/shade.frag", method, shadows is not None)
+        program = self.program("passes/shade.frag", method, shadows)
         buffer.clear_color()
         if scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1:
             for _ in self._shade_adaptively(buffer, mesh, method, program, frame, shadows, rows, around, hurry):
@@ -353,7 +353,8 @@ class Renderer:
         structure = self.occluders(frame.mesh, around)
         others = () if around is None else (around.mesh,)
         drawn = self.drawn_mesh(frame)
-        self._shadows.prepare(mode, drawn, frame.mesh, structure, frame.lights, frame.scene.bounce, others)
+        ground = frame.objects is not None and frame.objects.ground is not None
+        self._shadows.prepare(mode, drawn, frame.mesh, structure, frame.lights, frame.scene.bounce, others, ground)
         return self._shadows
 
     def _take_around(self, frame: Frame) -> Around | None:
@@ -423,26 +424,26 @@ class Renderer:
             if in_bands:
                 self.ctx.finish()
                 yield
-        if shadows is not None:
+        if shadows is None:
+            return
+        lookouts = [(shadows, buffer, method)]
+        if around is not None:
+            lookouts.append((around.shadows, around.beside(buffer), None))
+        for one, target, means in lookouts:
             if in_bands:
-                shadows.integrate(method)
+                one.integrate(means)
                 self.ctx.finish()
                 yield
-            shadows.look(buffer, method)
+            one.look(target, means)
             if in_bands:
                 self.ctx.finish()
                 yield
             if not hurry:
                 places = sample_offsets(frame.scene.spp)
                 sample = places.index(offset), len(places)
-                for _ in shadows.edges(buffer, sample, *([SLICE] if in_bands else [])):
+                for _ in one.edges(target, sample, *([SLICE] if in_bands else [])):
                     if in_bands:
                         yield
-        if around is not None and frame.scene.method != "reference":
-            around.look(buffer)
-            if in_bands:
-                self.ctx.finish()
-                yield
 
     def _shade_around(
         self, buffer: GBuffer, around: Around, method, frame: Frame, passes: list[dict], number: int = 0, band=None
@@ -474,7 +475,7 @@ class Renderer:
         if self._adaptive is None:
             self._adaptive = AdaptiveRate(self.ctx)
         yield from self._place(buffer, mesh, method, frame, shadows, (0.0, 0.0), rows is not None, around, hurry)
-        list_program = self.program("passes/shade_list.comp", method, shadows is not None)
+        list_program = self.program("passes/shade_list.comp", method, shadows)
 
         def bind(one) -> None:
             self.shared.bind(one)
@@ -564,10 +565,10 @@ class Renderer:
             self._methods[name] = METHODS[name](self.ctx)
         return self._methods[name]
 
-    def program(self, pass_path: str, method, shadows: bool = False):
+    def program(self, pass_path: str, method, shadows: Shadows | None = None):
         """The program of a pass with a method, with shadows or without, compiled at first use. Raises ShaderError."""
         defines = method.defines()
-        seen = SEEN_PIXELS if shadows else SEEN_ALL
+        seen = SEEN_ALL if shadows is None else shadows.source
         virtual = {"method.glsl": method.source, "seen.glsl": seen}
         virtual |= method.includes() if hasattr(method, "includes") else {}
         key = (pass_path, tuple(sorted(virtual.items())), tuple(sorted(defines.items())))

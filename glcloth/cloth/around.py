@@ -135,11 +135,6 @@ class Around:
         self.shadows.prepare(mode, self.mesh, self.mesh, structure, lights, bounce, (cloth,))
         self._mode = mode
 
-    def look(self, buffer: GBuffer) -> None:
-        """Find what the pixels of the objects see of the lights; nothing when it is known."""
-        if self._mode != "off":
-            self.shadows.look(self.beside(buffer), None)
-
     def lit_by_means(self, lights: Lights, shared):
         """The program that shades by Gaussians and suns, each as far as `look` found it seen, ready to `run`; `shared` has
         the lights."""

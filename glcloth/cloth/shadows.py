@@ -21,6 +21,7 @@ from .visibility import FEWEST, FLAT, NARROW, VertexVisibility, broad_number, su
 
 SEEN_UNIT = 2
 SEEN_ALL, SEEN_PIXELS = "passes/seen_all.glsl", "passes/seen_pixels.glsl"
+SEEN_OVER_GROUND = "passes/seen_over_ground.glsl"
 TILE = 8
 FURNACE_VIEWS, FURNACE_LIGHTS = 64, 256
 MOVING_CLASSES = 8  # of probes on cloth that moves: each traces a quarter of its 32 directions at every pose
@@ -41,7 +42,7 @@ class Shadows:
         self._programs: dict[tuple, object] = {}
         self._sun_data = TextureBuffer(ctx, 16)
         self._meshes: tuple[Mesh, ...] = ()  # that was looked out from, and the others that hide light
-        self.follow = False
+        self.follow = self.over_ground = False
         self._structure = self._lights = None
         self._mode: Mode = "off"
         self._edge_data = TextureBuffer(ctx, 16)
@@ -66,11 +67,12 @@ class Shadows:
         lights: Lights,
         bounce: bool = True,
         others: tuple[Mesh, ...] = (),
+        over_ground: bool = False,
     ) -> None:
         """Choose what hides what. `mesh` is the one that is drawn, `original` what it was subdivided from, `structure`
-        what hides light: the mesh and `others`."""
+        what hides light: the mesh and `others`, and a ground or not."""
         self._mode, self._structure, self._lights, self._bounce = mode, structure, lights, bounce
-        self._others = others
+        self._others, self.over_ground = others, over_ground
         meshes = mesh, *others
         if mode == "full" and not _same(self._meshes, meshes):
             if self.follow and is_next_pose(self._meshes, meshes):
@@ -101,7 +103,8 @@ class Shadows:
         light alone, as a Lambertian needs them."""
         if self._mode == "full":
             none = np.zeros(len(self._lights.gaussians))
-            self.vertices.integrate(self._lights, None if method is None else getattr(method, "broad", none))
+            broad = None if method is None else getattr(method, "broad", none)
+            self.vertices.integrate(self._lights, broad, self.over_ground)
 
     def look(self, buffer: GBuffer, method) -> None:
         """Fill the layers of what the pixels of a G-buffer see, as it is drawn now; nothing when they hold just that."""
@@ -204,6 +207,11 @@ class Shadows:
         begins[1 + narrow] = own.shape[1] * np.arange(len(narrow))
         begins = begins.reshape(-1, 4)
         return [(n, tuple(map(int, four)), own.shape[1]) for n, four in enumerate(begins) if (four >= 0).any()]
+
+    @property
+    def source(self) -> str:
+        """What "seen.glsl" means to a program that asks for these shadows."""
+        return SEEN_OVER_GROUND if self.over_ground and self._mode == "full" else SEEN_PIXELS
 
     def bind_seen(self, program) -> None:
         """Bind the values of the G-buffer that was looked at last, for a program with `sampler2DArray seen`."""

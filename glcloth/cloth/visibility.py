@@ -211,14 +211,15 @@ class VertexVisibility:
 
     # -- means -------------------------------------------------------------------------------------------------------
 
-    def integrate(self, lights: Lights, broad: np.ndarray | None) -> None:
+    def integrate(self, lights: Lights, broad: np.ndarray | None, above: bool = False) -> None:
         """Make the means under these lights, from as many directions as are traced; nothing when they are made.
 
         `broad`: how much [K] of each Gaussian a method sums with others before it knows V. That light's visibility
         follows V_K as nine means over parts of the surface frame (`reference.visibility.from_bands`); None: not at all.
+        `above`: that is of the light from above the horizon alone (passes/seen_over_ground.glsl).
         """
         sharp = self._sharp is lights
-        state = self.done, sharp, None if broad is None else broad.tobytes()
+        state = self.done, sharp, None if broad is None else broad.tobytes(), above
         if self._lights is lights and self._state == state:
             return
         tables = [self._table(c, lights, sharp) for c in range(self.classes)]
@@ -243,7 +244,7 @@ class VertexVisibility:
         self.ctx.memory_barrier()
         sums = sum(table.sum(0) for table in tables)
         if broad is not None:
-            there = self._sum_broad(lights, broad, first_broad)
+            there = self._sum_broad(lights, broad, first_broad, above)
             sums = np.append(sums, np.full(BROAD, BROAD_PART * there))
             sums[top_number(len(lights.gaussians))] = BROAD_PART * there
             self.ctx.memory_barrier()
@@ -258,13 +259,15 @@ class VertexVisibility:
         self._lights, self._state = lights, state
         self.version += 1
 
-    def _sum_broad(self, lights: Lights, broad: np.ndarray, first_broad: int) -> float:
+    def _sum_broad(self, lights: Lights, broad: np.ndarray, first_broad: int, above: bool) -> float:
         """Sum what the probes see of the broad light; returns how much of it there is, over the traced directions."""
         gaussians = lights.gaussians
         light = SphericalGaussians(gaussians.axis, gaussians.sharpness, gaussians.amplitude * broad[:, None])
         weight = luminance(np.maximum(light.radiance(self.directions), 0.0))
         # Where there is no such light, V still goes on smoothly from where there is.
         weight += BROAD_FLOOR * weight.mean() + 1e-30
+        if above:
+            weight *= self.directions[:, 1] > 0.0
         used = weight[: self.classes * self.share].reshape(self.classes, self.share)[:, : self.done]
         weight /= weight.max()
         records = np.zeros((DIRECTIONS, 4), "f4")
