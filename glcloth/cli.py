@@ -72,7 +72,7 @@ class SceneOptions:
     spp: Annotated[int | None, Parameter(help="Samples per pixel.")] = None
     size: Annotated[str | None, Parameter(help="WIDTHxHEIGHT.")] = None
     exposure: Annotated[float | None, Parameter(help="Stops, for PNG.")] = None
-    view_transform: Annotated[str | None, Parameter(help="standard, filmic or neutral, for PNG.")] = None
+    view_transform: Annotated[str | None, Parameter(help="standard, filmic, neutral or agx, for PNG.")] = None
     background: Annotated[bool | None, Parameter(help="Show the environment behind the cloth.")] = None
     accelerator: Annotated[str | None, Parameter(help="kdtree, lbvh or brute (curtain).")] = None
     depth: Annotated[int | None, Parameter(help="Depth of the rays (curtain).")] = None

@@ -94,16 +94,22 @@ VIEW_TRANSFORMS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 
 
+def known_transform(name: str) -> str:
+    """The name, if it is one of VIEW_TRANSFORMS. Raises InputError on another."""
+    if name not in VIEW_TRANSFORMS:
+        near = difflib.get_close_matches(str(name), VIEW_TRANSFORMS, 1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        raise InputError(f"view transform {name!r}: unknown; {hint}choose one of {', '.join(VIEW_TRANSFORMS)}")
+    return name
+
+
 def view(rgb: np.ndarray, transform: str = "standard", exposure: float = 0.0) -> np.ndarray:
     """Code values 0..1 [..., 3] of linear Rec. 709 colours after `exposure` stops and a named view transform.
 
     `transform` is one of VIEW_TRANSFORMS. Not-a-number becomes black, infinity white. Raises InputError on an
     unknown name.
     """
-    if transform not in VIEW_TRANSFORMS:
-        near = difflib.get_close_matches(str(transform), VIEW_TRANSFORMS, 1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        raise InputError(f"view transform {transform!r}: unknown; {hint}choose one of {', '.join(VIEW_TRANSFORMS)}")
+    known_transform(transform)
     # 2^15 is beyond every curve's shoulder; larger finite values would overflow in the rational curves.
     scaled = np.nan_to_num(np.asarray(rgb, np.float64), nan=0.0, posinf=1e30, neginf=0.0) * 2.0**exposure
     return VIEW_TRANSFORMS[transform](np.clip(scaled, 0.0, 2.0**15))

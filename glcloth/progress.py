@@ -14,6 +14,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 T = TypeVar("T")
 console = Console(stderr=True)
 _stopped = False
+BAR_AFTER = 1.0  # seconds of work after which a terminal shows a bar
+SAY_EVERY = 10.0  # seconds between two lines elsewhere
 
 
 def hear_ctrl_c() -> None:
@@ -53,7 +55,7 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
             check_stopped()
             now = time.monotonic()
             if console.is_terminal:
-                if bar is None and now - begin > 1.0:
+                if bar is None and now - begin > BAR_AFTER:
                     bar = Progress(
                         TextColumn("{task.description}"),
                         BarColumn(),
@@ -66,7 +68,7 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
                     bar.start()
                 if bar is not None:
                     bar.update(task, completed=done)
-            elif now - said > 10.0:
+            elif now - said > SAY_EVERY:
                 said = now
                 print(f"glcloth: {what}: {done} of {total if total is not None else '?'}", file=sys.stderr, flush=True)
             yield item

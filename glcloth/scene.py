@@ -8,8 +8,9 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
 
+from .color import known_transform
 from .errors import InputError
 from .fabric import Fabric
 from .files import PACKAGE, atomic_write
@@ -18,6 +19,7 @@ from .image import read_settings
 SCENES = PACKAGE / "scenes"
 Vec3 = tuple[float, float, float]
 Share = Annotated[float, Field(ge=0, le=1)]
+ViewTransform = Annotated[str, AfterValidator(known_transform)]
 
 
 class View(BaseModel):
@@ -58,7 +60,7 @@ class Scene(BaseModel):
     spp: Annotated[int, Field(ge=1, le=256)] = 1
     size: tuple[int, int] = (640, 480)
     exposure: Annotated[float, Field(ge=-20, le=20)] = 0.0
-    view_transform: str = "standard"
+    view_transform: ViewTransform = "standard"
     background: bool = True
     camera: View = View()
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from glcloth import progress
 from glcloth.context import create_context
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -15,6 +16,12 @@ SHARED = Path(os.environ.get("GLCLOTH_SHARED") or ROOT.parent / "shared")
 def own_cache(tmp_path_factory):
     """Tables and fits of the tests go to a folder of their own, so that no earlier run can help a test."""
     os.environ["GLCLOTH_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture(scope="session", autouse=True)
+def no_progress():
+    """On a slow machine work takes long enough to tell of its progress between the lines that tests count."""
+    progress.BAR_AFTER = progress.SAY_EVERY = float("inf")
 
 
 @pytest.fixture(scope="session")

@@ -21,7 +21,7 @@ from ..environment import Environment, load_environment
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..image import read_settings
-from ..scene import View
+from ..scene import View, ViewTransform
 from .cloth import CurtainParameters, CurtainSimulation
 from .lighting import Lamp, Lighting
 from .room import ROOM, Room, load_room
@@ -59,7 +59,7 @@ class CurtainScene(BaseModel):
     cutoff: Annotated[float, Field(ge=0, lt=1)] = 1e-3
     rate: Annotated[int, Field(ge=1, le=240)] = 24  # frames per second
     exposure: Annotated[float, Field(ge=-20, le=20)] = 0.0
-    view_transform: str = "standard"
+    view_transform: ViewTransform = "standard"
 
     @field_validator("size", mode="before")
     @classmethod
