@@ -32,18 +32,20 @@ class FabricBuffer:
     def __init__(self, ctx):
         self._data = TextureBuffer(ctx, 16 * (4 + int(constant("MAX_TANGENTS"))))
         self.fabric: Fabric | None = None
+        self._uniforms: dict[str, object] = {}
 
     def prepare(self, fabric: Fabric) -> None:
         """Upload the fabric if it is another one than last time."""
         if fabric is not self.fabric:
             self._data.write(fabric_records(fabric))
             self.fabric = fabric
+            counts = tuple(sum(t.yarn == j for t in fabric.tangents) for j in (0, 1))
+            self._uniforms = {"tangent_count": counts, "sigma_mask": fabric.sigma, "gap": fabric.gap}
 
     def bind(self, program) -> None:
         """Bind the buffer and set the uniforms that passes/fabric.glsl declares."""
         self._data.bind(FABRIC_UNIT)
-        counts = tuple(sum(t.yarn == j for t in self.fabric.tangents) for j in (0, 1))
-        shader.set_uniforms(program, tangent_count=counts, sigma_mask=self.fabric.sigma, gap=self.fabric.gap)
+        shader.set_uniforms(program, **self._uniforms)
 
     def release(self) -> None:
         """Free the GPU's memory."""

@@ -114,5 +114,7 @@ def program(
 def set_uniforms(prog, **values) -> None:
     """Set those uniforms that the linked program still has (a driver removes the unused ones)."""
     for name, value in values.items():
-        if name in prog:
-            prog[name].value = value
+        # `name in prog` would go through all of them.
+        uniform = prog.get(name, None)
+        if uniform is not None:
+            uniform.value = value

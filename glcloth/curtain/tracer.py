@@ -26,6 +26,7 @@ from ..errors import InputError
 from ..fabric import Fabric
 from ..fabric_buffer import FabricBuffer
 from ..gpu import TextureBuffer
+from ..layout import shared
 from ..progress import track
 from .energy import mean_albedo, reflection_limit
 from .layers import LayersPicture
@@ -34,6 +35,7 @@ from .lighting import Lighting
 DEEPEST = 8
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
 ENVIRONMENT_UNIT = 6
+PART_SHARE = shared("trace/shared.glsl")[0]["PART_SHARE"]
 
 
 @dataclass(frozen=True)
@@ -403,7 +405,7 @@ class Tracer:
         now.weights.bind(15)
         self._order.reserve(4 * now.count)
         self._order.buffer.bind_to_storage_buffer(0)
-        self._run("sort", now.count, **now.runs)
+        self._run("sort", -(-now.count // PART_SHARE), **now.runs)
         on_cloth, others = (int(n) for n in np.frombuffer(self._counts.read(8, offset=16), np.uint32))
         self._order.bind(9)
         if self._environment[1] is not None:

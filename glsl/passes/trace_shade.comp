@@ -14,6 +14,7 @@
 #include "trace/random.glsl"
 #include "core/equirect.glsl"
 #include "passes/local_light.glsl"
+#include "passes/ray.glsl"
 
 layout(local_size_x = 64) in;
 layout(binding = 6) uniform sampler2D environment_map;
@@ -94,7 +95,12 @@ void main() {
     float t = uintBitsToFloat(hit.x);
     vec3 o = texelFetch(heads, 2 * head).xyz;
     vec3 p = o + t * d;
-    Surface s = surface_at(met ? int(hit.y) : 0, uintBitsToFloat(hit.zw), -d);
+    int triangle = met ? int(hit.y) : 0;
+    // The traversal keeps no weights: found again once, they cost less than at every test.
+    vec2 at = meet_triangle(make_ray(o, d, 0.0, 0.0), uintBitsToFloat(texelFetch(corner_data, 3 * triangle).xyz),
+                            uintBitsToFloat(texelFetch(corner_data, 3 * triangle + 1).xyz),
+                            uintBitsToFloat(texelFetch(corner_data, 3 * triangle + 2).xyz)).yz;
+    Surface s = surface_at(triangle, at, -d);
     LampRay l = lamp_ray(p, s);
 #if CLOTH == 0
     vec3 direct = weight.rgb * lamp_light_solid(s, l);

@@ -28,8 +28,7 @@ void main() {
     Visit visit = start_visit(reach);
     Ray ray = make_ray(point.xyz + reach * d, -d, 0.0, reach);
     traverse(ray, visit);
-    if (visit.t > 0.0) reckon(visit, ray);
-    light *= visit.through;
+    light *= reckon(visit, ray);
     if (last_chunk) {
         radiance[floatBitsToInt(point.w)] += vec4(light, 0.0);
     } else {

@@ -1,7 +1,7 @@
 #version 430
 // Parts the rays of one generation: those that hit cloth from the front of the list, all others from its back. Each kind is
 // shaded by a dispatch of its own, because a software rasteriser executes the code of both for every ray that it takes
-// together.
+// together. An invocation takes PART_SHARE neighbours, so that it meets the others at the two counters only once.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 8) uniform usamplerBuffer layers;           // (t, triangle, v, w)
@@ -12,18 +12,31 @@ layout(std430, binding = 5) buffer Counts { uint count[]; };  // (4) on cloth, (
 uniform int ray_count;
 uniform int front_count;
 uniform int back_first;
-#include "passes/claim.glsl"
 
 void main() {
-    begin_claims();
-    int place = int(gl_GlobalInvocationID.x);
-    bool live = place < ray_count;
-    int i = live ? place : 0;
-    if (i >= front_count) i += back_first - front_count;
-    uint triangle = texelFetch(layers, floatBitsToInt(texelFetch(weights, i).a)).y;
-    bool hit = triangle != NO_TRIANGLE;
-    bool cloth = hit && texelFetch(attribute_data, hit ? int(triangle) : 0).x == 0u;
-    uint k = live ? claim(cloth ? 4 : 5) : 0u;
-    settle_claims();
-    if (live) order[cloth ? place_of(4, k) : uint(ray_count) - 1u - place_of(5, k)] = uint(i);
+    int begin = PART_SHARE * int(gl_GlobalInvocationID.x);
+    int end = min(begin + PART_SHARE, ray_count);
+    if (begin >= end) return;
+    int aside = back_first - front_count;  // how far off the second run lies
+    uint cloth = 0u;                       // a bit for each ray
+    int place = begin;
+    do {
+        int i = place < front_count ? place : place + aside;
+        uint triangle = texelFetch(layers, floatBitsToInt(texelFetch(weights, i).a)).y;
+        bool hit = triangle != NO_TRIANGLE;
+        uint material = texelFetch(attribute_data, hit ? int(triangle) : 0).x;
+        cloth |= hit && material == 0u ? 1u << uint(place - begin) : 0u;
+        ++place;
+    } while (place < end);
+    uint on_cloth = uint(bitCount(cloth));
+    uint first = atomicAdd(count[4], on_cloth);
+    uint last = uint(ray_count) - 1u - atomicAdd(count[5], uint(end - begin) - on_cloth);
+    place = begin;
+    do {
+        bool here = (cloth >> uint(place - begin) & 1u) != 0u;
+        order[here ? first : last] = uint(place < front_count ? place : place + aside);
+        first += here ? 1u : 0u;
+        last -= here ? 0u : 1u;
+        ++place;
+    } while (place < end);
 }

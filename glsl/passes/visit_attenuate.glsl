@@ -11,7 +11,6 @@
 const int NOTED_LAYERS = 8;
 
 struct Visit {
-    vec3 through;
     float t;       // nothing beyond matters: t_max, or 0 when no light is left
     int layers;    // noted and not reckoned yet
     uvec4 latest;  // their triangles, the latest first; shifted along, because an indexed array goes through memory
@@ -19,7 +18,7 @@ struct Visit {
 };
 
 Visit start_visit(float t_max) {
-    return Visit(vec3(1.0), t_max, 0, uvec4(NO_TRIANGLE), uvec4(NO_TRIANGLE));
+    return Visit(t_max, 0, uvec4(NO_TRIANGLE), uvec4(NO_TRIANGLE));
 }
 
 float reach(Visit visit) { return visit.t; }
@@ -29,8 +28,9 @@ uint lowest(uvec4 a, uvec4 b) {
     return min(min(m.x, m.y), min(m.z, m.w));
 }
 
-// Lets the light through the layers that were noted.
-void reckon(inout Visit visit, Ray ray) {
+// What the layers that were noted let through.
+vec3 reckon(Visit visit, Ray ray) {
+    vec3 through = vec3(visit.t > 0.0 ? 1.0 : 0.0);
     vec4 latest_t = vec4(-1.0);
     vec4 earlier_t = vec4(-1.0);
     uint triangle = lowest(visit.latest, visit.earlier);
@@ -47,21 +47,21 @@ void reckon(inout Visit visit, Ray ray) {
         Surface s = surface_at(i, hit.yz, -ray.d);
         vec3 omega = vec3(dot(ray.d, s.x), dot(ray.d, cross(s.N, s.x)), dot(ray.d, s.N));
         bool counts = triangle != NO_TRIANGLE && !known;
-        visit.through *= counts ? T_sheet(omega, k_a, 0.5 * k_t, tau, rho) : vec3(1.0);
+        through *= counts ? T_sheet(omega, k_a, 0.5 * k_t, tau, rho) : vec3(1.0);
         earlier_t = vec4(latest_t.w, earlier_t.xyz);
         latest_t = vec4(hit.x, latest_t.xyz);
         triangle = lowest(visit.latest, visit.earlier);
     } while (triangle != NO_TRIANGLE);
-    visit.layers = 0;
+    return through;
 }
 
 void meet(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
-    float hair = 1e-5 * (1.0 + hit.x);
-    bool inside = hit.x > ray.t_min && hit.x < visit.t && hit.x >= window.x - hair && hit.x <= window.y + hair;
-    if (!inside || tag == visit.latest.x) return;
+    // The same for all hits of a leaf.
+    float first = max(window.x - 1e-5 * (1.0 + window.x), ray.t_min);
+    float last = min(window.y + 1e-5 * (1.0 + window.y), ray.t_max);
+    if (!(hit.x > first && hit.x < last) || tag == visit.latest.x) return;
     bool blocked = (tag & SOLID) != 0u || visit.layers == NOTED_LAYERS;
     visit.t = blocked ? 0.0 : visit.t;
-    visit.through = blocked ? vec3(0.0) : visit.through;
     visit.earlier = uvec4(visit.latest.w, visit.earlier.xyz);
     visit.latest = uvec4(tag, visit.latest.xyz);
     visit.layers += 1;

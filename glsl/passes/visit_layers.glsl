@@ -9,8 +9,8 @@ uniform int most_layers;
 struct Visit {
     float t;
     uint tag;       // of the triangle
-    vec2 weights;   // barycentric coordinates of the second and third corner
     float from;     // hits count beyond
+    int inside;     // how many lie in the present leaf
     int layers;     // settled so far
     int at;         // where the first hit is stored
     float t_max;    // 0 when enough was met
@@ -19,24 +19,27 @@ struct Visit {
 float reach(Visit visit) { return min(visit.t, visit.t_max); }
 
 void meet(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
-    if (hit.x > visit.from && (hit.x < visit.t || hit.x == visit.t && (tag & ~SOLID) < (visit.tag & ~SOLID))) {
+    bool counts = hit.x > visit.from;
+    visit.inside += counts && hit.x <= window.y ? 1 : 0;
+    if (counts && (hit.x < visit.t || hit.x == visit.t && (tag & ~SOLID) < (visit.tag & ~SOLID))) {
         visit.t = hit.x;
         visit.tag = tag;
-        visit.weights = hit.yz;
     }
 }
 
-// Stores the hit if it lies before t_1; true if the ray goes on.
+// Stores the hit if it lies before t_1; true if the ray goes on and the leaf holds another one.
 bool settle(inout Visit visit, float t_1) {
+    bool others = visit.inside > 1;
+    visit.inside = 0;
     bool here = visit.tag != NO_TRIANGLE && visit.t <= t_1;
     if (here) {
-        layer_out[visit.at + visit.layers] =
-            uvec4(floatBitsToUint(visit.t), visit.tag & ~SOLID, floatBitsToUint(visit.weights));
+        layer_out[2 * (visit.at + visit.layers)] =
+            uvec2(floatBitsToUint(visit.t), visit.tag & ~SOLID);
         ++visit.layers;
         visit.t_max = (visit.tag & SOLID) != 0u || visit.layers == most_layers ? 0.0 : visit.t_max;
         visit.from = behind_layer(visit.t);
         visit.t = visit.t_max;
         visit.tag = NO_TRIANGLE;
     }
-    return here && visit.t_max > 0.0;
+    return here && others && visit.t_max > 0.0;
 }

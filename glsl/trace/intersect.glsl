@@ -55,8 +55,11 @@ vec4 hit_edges(vec3 edges, vec3 depths, vec3 shear) {
     float V = edges.y;
     float W = edges.z;
     float determinant = U + V + W;
-    // Comparisons instead of min and max, which have to mind NaN; no branch, because the lanes of a SIMD vector seldom agree.
-    bool miss = (U < 0.0 || V < 0.0 || W < 0.0) && (U > 0.0 || V > 0.0 || W > 0.0) || determinant == 0.0;
+    // All of one sign, the determinant's; -0 counts as 0. As integers, because comparisons of floats become minima that
+    // have to mind NaN.
+    uint sign = floatBitsToUint(determinant) & 0x80000000u;
+    uvec3 e = floatBitsToUint(edges) ^ sign;
+    bool miss = max(e.x, max(e.y, e.z)) > 0x80000000u || determinant == 0.0;
     float inverse = 1.0 / determinant;
     float t = (U * depths.x + V * depths.y + W * depths.z) * shear.z * inverse;
     return miss ? vec4(-1.0, 0.0, 0.0, 0.0) : vec4(t, V * inverse, W * inverse, 0.5 * determinant);
