@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import functools
 import json
+import math
 import os
 import re
 import sys
 import time
 from contextlib import ExitStack
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -77,7 +79,9 @@ class SceneOptions:
     accelerator: Annotated[str | None, Parameter(help="kdtree, lbvh or brute (curtain).")] = None
     depth: Annotated[int | None, Parameter(help="Depth of the rays (curtain).")] = None
     room: Annotated[str | None, Parameter(help="OBJ file of the room (curtain).")] = None
-    wind: Annotated[float | None, Parameter(help="Wind into the room, m/s (curtain).")] = None
+    wind: Annotated[
+        float | None, Parameter(help="Wind, m/s: into the room (curtain); animate: along the built-in cloth.")
+    ] = None
     fullness: Annotated[float | None, Parameter(help="Width of the cloth over that of the rail (curtain).")] = None
 
     def changes(self) -> dict:
@@ -246,11 +250,18 @@ def animate(
     frames: Annotated[int, Parameter(help="Frames of the whole sequence.")] = 120,
     start: Annotated[int, Parameter(help="First frame to render; earlier ones are kept.")] = 0,
     rate: Annotated[int, Parameter(help="Frames per second of a video.")] = 24,
+    turntable: Annotated[
+        bool | None, Parameter(help="Turn the camera once around the cloth; default: where nothing else moves.")
+    ] = None,
+    turn_env: Annotated[float, Parameter(help="Degrees by which the environment turns over the sequence.")] = 0.0,
     options: SceneOptions | None = None,
     device: Device = None,
     json: Json = False,
 ) -> None:
-    """Render a sequence: the curtain in the wind, or one turn of the camera around the cloth.
+    """Render a sequence: the curtain in the wind, or cloth that moves, under light that turns, or seen from all around.
+
+    Cloth moves by poses from files (--mesh poses/%04d.ply: frame i takes file i) or, the built-in one, in the --wind.
+    Where nothing else moves the camera goes once around it.
 
     Parameters
     ----------
@@ -260,10 +271,16 @@ def animate(
     from . import animate as sequence
     from .context import create_context
     from .curtain.show import CurtainShow
+    from .drape import Swaying
+    from .mesh import load_mesh
     from .renderer import Renderer
     from .scene import Scene
 
-    chosen = _scene(scene, options)
+    chosen, wind = _scene_to_animate(scene, options)
+    if not isinstance(chosen, Scene) and (turntable or turn_env):
+        raise InputError("--turntable, --turn-env: for cloth under an environment; the curtain hangs in a room")
+    if not math.isfinite(turn_env):
+        raise InputError(f"--turn-env {turn_env}: expected degrees")
     if not 1 <= frames <= 100_000 or not 0 <= start < frames:
         raise InputError(f"--frames {frames} --start {start}: expected 1 to 100000 frames and a start below that")
     if not 1 <= rate <= 240:
@@ -272,10 +289,23 @@ def animate(
     if video and start:
         raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
     begin = time.perf_counter()
+    files = None
+    if isinstance(chosen, Scene) and "%" in chosen.mesh:
+        files = sequence.pose_files(chosen.mesh, frames)
     with ExitStack() as stack:
         if isinstance(chosen, Scene):
             renderer = stack.enter_context(Renderer(device))
-            pictures = sequence.turntable(renderer, renderer.prepare(chosen), frames, start)
+            poses = None
+            if files:
+                poses = lambda i: load_mesh(files[i])  # noqa: E731
+                chosen = chosen.changed(mesh=str(files[0]))
+            elif wind is not None:
+                swaying = Swaying(renderer.ctx, wind)
+                stack.callback(swaying.release)
+                poses = functools.partial(_swayed, swaying, rate)
+            if turntable is None:
+                turntable = poses is None and not turn_env
+            pictures = sequence.moving(renderer, renderer.prepare(chosen), frames, start, poses, turntable, turn_env)
         else:
             chosen = chosen.changed(rate=rate)
             pictures = stack.enter_context(CurtainShow(create_context(device), chosen)).frames(frames, start)
@@ -283,14 +313,49 @@ def animate(
         if video:
             written = sequence.write_video(pictures, output, rate, *look)
         else:
-            key = "scene" if isinstance(chosen, Scene) else "curtain"
-            settings = {"glcloth": __version__, key: _stored(chosen)}
+            settings = functools.partial(_settings_of_frame, chosen, files, turn_env / frames)
             written = sequence.write_frames(pictures, str(output), start, settings, *look)
         for _ in track(written, f"{output}: frames", frames - start):
             pass
     seconds = time.perf_counter() - begin
     result = {"file": str(output), "frames": frames - start, "seconds": round(seconds, 3)}
     _print(json, result, f"{output}: {frames - start} frames, {seconds / (frames - start):.2f} s each")
+
+
+def _scene_to_animate(name: str | None, options: SceneOptions | None):
+    """The scene of a sequence, and the wind of a cloth under an environment, which is no part of its scene."""
+    from .scene import Scene
+
+    wind = options.wind if options else None
+    if wind is None:
+        return _scene(name, options), None
+    chosen = _scene(name, replace(options, wind=None))
+    if not isinstance(chosen, Scene):
+        return _scene(name, options), None
+    if chosen.mesh != "drape":
+        raise InputError(
+            f"--wind: moves the built-in cloth (drape) and the curtain, not {chosen.mesh}; give poses: --mesh %04d.ply"
+        )
+    return chosen, wind
+
+
+def _settings_of_frame(scene, files: list[Path] | None, turn: float, number: int) -> dict:
+    """What a picture of a sequence keeps of its scene."""
+    from .scene import Scene
+
+    if not isinstance(scene, Scene):
+        return {"glcloth": __version__, "curtain": _stored(scene)}
+    changes = {"mesh": str(files[number])} if files else {}
+    if turn:
+        changes["env_rotate"] = scene.env_rotate + turn * number
+    return {"glcloth": __version__, "scene": _stored(scene.changed(**changes))}
+
+
+def _swayed(swaying, rate: int, number: int):
+    """The pose of a frame, asked for in ascending order."""
+    while swaying.frame < number:
+        swaying.step(1.0 / rate)
+    return swaying.mesh()
 
 
 @app.command

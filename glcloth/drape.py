@@ -9,16 +9,17 @@ spaced wherever the folds take them.
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import moderngl
 import numpy as np
 from scipy.interpolate import BSpline
 
 from .errors import InputError
-from .mesh import Mesh, build_mesh
+from .mesh import Mesh, build_mesh, load_mesh
 from .progress import track
 from .shapes import grid_triangles
-from .simulation import Box, Cloth, ClothParameters, Sphere
+from .simulation import Box, Cloth, ClothParameters, Sphere, Wind
 
 SIZE = 1.6  # m, side of the cloth
 TURN_DEG = 42.0  # of the cloth on the table
@@ -28,6 +29,10 @@ CENTER = (0.03, 0.36, 0.2)  # m, of the flat cloth before it falls
 FRAMES_PER_SECOND = 60
 SETTLE = 0.7  # s at the end in which strong damping brings the cloth to rest ...
 RELAX = 0.25  # ... and s after that, with little friction, in which threads that the table's edge holds taut give way
+WIND_AXIS = np.array([0.8, 0.0, 0.6])  # along the table's edge and away from it
+SUBSTEP_RATE = 720  # per second, in the wind
+NEAR_SOLID = 0.006  # m
+HANG = 0.4  # s, before it begins
 
 
 def drape(ctx: moderngl.Context, vertices: int = 168, samples: int = 150, seconds: float = 4.0) -> Mesh:
@@ -97,6 +102,10 @@ def surface_mesh(name: str, positions: np.ndarray, size: tuple[float, float], ro
     return build_mesh(name, sample(by_row, by_column), grid_triangles(rows, columns), uv, N)
 
 
+def _unit(v: np.ndarray) -> np.ndarray:
+    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-12)
+
+
 def _spline(count: int, samples: int) -> tuple[np.ndarray, np.ndarray]:
     """Return [samples, count] weights of a clamped uniform cubic B-spline's value and slope, evenly over its length."""
     knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, count - 2), [1.0] * 3])
@@ -105,3 +114,77 @@ def _spline(count: int, samples: int) -> tuple[np.ndarray, np.ndarray]:
     fine = np.linspace(0.0, 1.0, 64 * samples)
     t = np.interp(np.linspace(0.0, 1.0, samples), basis(fine) @ np.linspace(0.0, 1.0, count), fine)
     return basis(t), basis.derivative()(t)
+
+
+def lying(positions: np.ndarray) -> np.ndarray:
+    """Which vertices [..., 3] lie on the table or the ball, bool [...]: more of the cloth hangs than they could hold by
+    friction for long."""
+    table, ball = SOLIDS
+    on_table = np.abs(positions[..., 1] - table.center[1] - table.half_size[1]) < NEAR_SOLID
+    on_table &= (np.abs(positions - table.center) < np.array(table.half_size) - table.rounding)[..., [0, 2]].all(-1)
+    from_ball = np.linalg.norm(positions - np.array(ball.center), axis=-1) - ball.radius
+    return on_table | ((np.abs(from_ball) < NEAR_SOLID) & (positions[..., 1] > ball.center[1]))
+
+
+class Swaying:
+    """The built-in cloth in the wind, from where it came to rest on; its poses are meshes with the same triangles.
+
+    Deterministic. Raises InputError for a wind of more than 20 m/s.
+    """
+
+    def __init__(self, ctx: moderngl.Context, wind: float):
+        """`wind`: m/s, along the table's edge and away from it."""
+        if not abs(wind) <= 20:
+            raise InputError(f"--wind {wind}: expected at most 20 m/s")
+        mesh = load_mesh("drape")
+        side = round(len(mesh.positions) ** 0.5)
+        spacing = SIZE / (side - 1)
+        parameters = ClothParameters(
+            spacing=(spacing, spacing),
+            mass=0.15,
+            stretch=1e4,
+            bending=4e-5,
+            friction=0.5,
+            damping=0.6,
+            gap=spacing,
+            speed_limit=5.0,
+        )
+        self._rest, self._spline = mesh, _spline(side, side)
+        positions = mesh.positions.reshape(side, side, 3).astype(float)
+        self.cloth = Cloth(ctx, parameters, positions, SOLIDS, lying(positions))
+        # What the finer cloth was pressed together, this one lets go of, before the wind begins.
+        self._advance(HANG, 8.0)
+        self.frame = 0  # how many steps were taken
+        self.cloth.time = 0.0
+        self.cloth.wind = Wind(tuple(wind * WIND_AXIS), 0.8)
+
+    def _advance(self, seconds: float, damping: float) -> None:
+        # Contacts are found anew at each step.
+        steps = max(1, math.ceil(seconds * FRAMES_PER_SECOND))
+        substeps = math.ceil(seconds * SUBSTEP_RATE / steps)
+        self.cloth.parameters = dataclasses.replace(self.cloth.parameters, substeps=substeps, damping=damping)
+        for _ in range(steps):
+            self.cloth.step(seconds / steps)
+
+    def step(self, seconds: float) -> None:
+        """Let the wind blow for a while."""
+        self._advance(seconds, 0.6)
+        self.frame += 1
+
+    def mesh(self) -> Mesh:
+        """The present pose."""
+        positions = self.cloth.positions().astype(float)
+        weights, slopes = self._spline
+        u_slope, v_slope = (
+            np.einsum("ri,cj,ijk->rck", *pair, positions, optimize=True).reshape(-1, 3)
+            for pair in ((weights, slopes), (slopes, weights))
+        )
+        N = _unit(np.cross(v_slope, u_slope))  # v falls down the rows
+        x = _unit(u_slope - (u_slope * N).sum(1, keepdims=True) * N)
+        x = np.concatenate([x, self._rest.tangents[:, 3:]], 1)
+        smooth = np.einsum("ri,cj,ijk->rck", weights, weights, positions, optimize=True).reshape(-1, 3)
+        return dataclasses.replace(self._rest, positions=smooth, normals=N, tangents=x)
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self.cloth.release()

@@ -13,7 +13,8 @@ import pytest
 
 from glcloth import cli
 from glcloth.image import read_image, read_settings, write_image
-from glcloth.mesh import load_mesh, save_mesh
+from glcloth.mesh import build_mesh, load_mesh, save_mesh
+from glcloth.renderer import Renderer
 
 ROOT = Path(__file__).resolve().parent.parent
 # Two directions per edge keep the reference quick; what is tested here is the door, not the light.
@@ -313,6 +314,56 @@ def test_animate_writes_whole_frames_and_resumes(tmp_path, capsys):
     assert np.array_equal(read_image(pattern.parent / "002.exr"), last)
     assert "%04d" in fails(capsys, "animate", "-o", tmp_path / "a.png", *QUICK)
     assert "start" in fails(capsys, "animate", "-o", pattern, *QUICK, "--frames", "3", "--start", "3")
+
+
+def test_animate_follows_poses_from_files_and_resumes(tmp_path, capsys):
+    sheet = load_mesh("plane")
+    for i in range(6):
+        positions = sheet.positions.astype(float)
+        positions[:, 1] += (0.05 + 0.01 * i) * np.sin(9 * positions[:, 0] + 0.2 * i)
+        pose = build_mesh("pose", positions, sheet.triangles, sheet.uv)
+        save_mesh(tmp_path / f"{i:02d}.ply", pose)
+    quick = ["--mesh", tmp_path / "%02d.ply", "--fabric", "linen", "--size", "32x24", "--shadows", "full"]
+    command = ["animate", *quick, "--turn-env", "60", "--frames", "6"]
+    assert run(*command, "-o", tmp_path / "a/%d.exr") == 0
+    assert run(*command, "-o", tmp_path / "b/%d.exr", "--start", "4") == 0
+    assert sorted(p.name for p in (tmp_path / "b").iterdir()) == ["4.exr", "5.exr"]
+    pictures = [read_image(tmp_path / f"a/{i}.exr") for i in range(6)]
+    for i in (4, 5):
+        assert np.array_equal(read_image(tmp_path / f"b/{i}.exr"), pictures[i])
+    assert np.abs(pictures[1] - pictures[0]).max() > 1e-3
+    # A frame knows its pose and its light: rendered for itself it is the same but for the poses before it.
+    scene = read_settings(tmp_path / "a/3.exr")["scene"]
+    assert scene["mesh"] == str(tmp_path / "03.ply") and scene["env_rotate"] == 30.0
+    # Seen from where the whole sequence is seen from, which is chosen for the first pose.
+    with Renderer() as renderer:
+        camera = renderer.prepare(mesh=str(tmp_path / "00.ply"), size=(32, 24)).camera
+        alone = renderer.render(
+            mesh=str(tmp_path / "03.ply"), env_rotate=30.0, fabric="linen", size=(32, 24), camera=camera
+        )
+    assert np.abs(alone - pictures[3]).mean() < 0.02 * alone.mean()
+    (tmp_path / "05.ply").unlink()
+    line = fails(capsys, *command, "-o", tmp_path / "c/%d.png")
+    assert "05.ply" in line and "--frames 5" in line
+    assert "%04d" in fails(capsys, "animate", "-o", tmp_path / "c/%d.png", "--mesh", "a%d/%d.ply")
+
+
+def test_only_the_built_in_cloth_and_the_curtain_know_the_wind(tmp_path, capsys):
+    frames = tmp_path / "%d.png"
+    assert "poses" in fails(capsys, "animate", "-o", frames, *QUICK, "--wind", "1")
+    assert "20" in fails(capsys, "animate", "-o", frames, "--wind", "21")
+    assert "curtain" in fails(capsys, "animate", "curtain", "-o", frames, "--turn-env", "90")
+    assert "degrees" in fails(capsys, "animate", "-o", frames, *QUICK, "--turn-env", "nan")
+
+
+def test_the_environment_turns_and_the_camera_rests(tmp_path):
+    quick = [*QUICK, "--frames", "4", "--env", "studio"]
+    assert run("animate", *quick, "--turn-env", "360", "-o", tmp_path / "%d.exr") == 0
+    assert run("animate", *quick, "--turn-env", "360", "--turntable", "-o", tmp_path / "both%d.exr") == 0
+    assert run("render", *quick_but("--env", "studio"), "--env-rotate", "90", "-o", tmp_path / "one.exr") == 0
+    one, both = (read_image(tmp_path / name) for name in ("1.exr", "both1.exr"))
+    assert np.array_equal(one, read_image(tmp_path / "one.exr"))
+    assert np.abs(both - one).max() > 1e-3
 
 
 def test_a_fault_of_ours_is_one_line_too(tmp_path, monkeypatch, capsys):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_simulation import crossings
 
-from glcloth.drape import SOLIDS, drape
+from glcloth.drape import SOLIDS, Swaying, drape, lying
 from glcloth.errors import InputError
 from glcloth.mesh import load_mesh
 
@@ -33,6 +33,29 @@ def test_bad_counts_end_in_one_line(ctx):
 def test_the_built_in_drape_does_not_cross_itself():
     mesh = load_mesh("drape")
     assert crossings(mesh.positions, mesh.triangles) == 0
+
+
+def test_the_wind_moves_what_hangs_and_no_more(ctx):
+    rest = load_mesh("drape")
+    swaying = Swaying(ctx, 2.0)
+    held = lying(rest.positions.astype(float))
+    poses = [swaying.mesh()]
+    for _ in range(2):
+        swaying.step(1 / 24)
+        poses.append(swaying.mesh())
+    inner = held.reshape(150, 150)
+    inner = inner & np.roll(inner, 1, 0) & np.roll(inner, -1, 0) & np.roll(inner, 1, 1) & np.roll(inner, -1, 1)
+    for pose in poses:
+        assert np.array_equal(pose.triangles, rest.triangles) and np.isfinite(pose.tangents).all()
+        assert np.allclose(np.linalg.norm(pose.normals, axis=1), 1, atol=1e-5)
+        assert np.abs((pose.tangents[:, :3] * pose.normals).sum(1)).max() < 1e-5
+        assert np.linalg.norm(pose.positions - rest.positions, axis=1)[inner.ravel()].max() < 0.01
+    assert (rest.normals * poses[0].normals).sum(1).mean() > 0.95 and np.mean(held) > 0.03
+    way = np.linalg.norm(poses[2].positions - poses[1].positions, axis=1)
+    assert way.mean() > 0.002 and np.percentile(way, 99) < 0.15
+    swaying.release()
+    with pytest.raises(InputError, match="20 m/s"):
+        Swaying(ctx, -30.0)
 
 
 @pytest.mark.slow
