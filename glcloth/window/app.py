@@ -27,8 +27,8 @@ from .slices import BUDGET
 from .state import Document, Session
 from .tree_window import TreeWindow
 
-DEFAULT_SIZE = (1280, 720)
-PANEL = 400  # width of the panels at 96 dpi
+DEFAULT_SIZE = (1280, 720)  # points
+PANEL = 400  # points: width of the panels
 LATE = 0.012  # seconds into a step after which the screen waits for the next one
 PATIENCE = 0.06  # seconds
 QUIET = 0.7  # seconds without an event after which nobody is taken to be at work
@@ -51,7 +51,8 @@ class App:
 
     def __init__(self, scene: Scene | CurtainScene, watch: bool = False, source: str | None = None):
         check_shown(scene)
-        wanted = tuple(scene.size if "size" in scene.model_fields_set else DEFAULT_SIZE)
+        given = "size" in scene.model_fields_set
+        wanted = tuple(scene.size if given else DEFAULT_SIZE)
         self.session = Session(scene.model_copy(update={"size": wanted}))
         self.session.resolve(scene.fabric)
         self.messages: list[tuple[str, str]] = []  # kind ("error" or "note"), text
@@ -73,7 +74,7 @@ class App:
         self._warm = False
         self._owed = False  # something is drawn and not yet shown
         self.navigation = Navigation(self)
-        self.host = Host((wanted[0] + PANEL, wanted[1]), self._heard, self.navigation.type, self._dropped)
+        self.host = Host(wanted, PANEL, not given, self._heard, self.navigation.type, self._dropped)
         self.ctx = self.host.ctx
         self.scale = self.host.scale
         self.player: Player | None = None
@@ -88,7 +89,7 @@ class App:
         self.resources = Resources()
         self.files = Files(self, source, watch)
         self.panels = Panels(self)
-        self.follow = self._area() == wanted
+        self.follow = not given or self._area() == wanted
 
     def close(self) -> None:
         """Free everything and close the window."""

@@ -22,11 +22,13 @@ FONT = 16.0  # points
 
 
 class Host:
-    """One window with panels. `window` is glfw's, `ctx` its moderngl context, `scale` points per pixel at 96 dpi.
+    """One window with panels. `window` is glfw's, `ctx` its moderngl context, `scale` its own units to a point (96 dpi).
 
     Parameters
     ----------
-    size : width and height in points; no larger than the screen
+    size : width and height of the picture, in pixels
+    panel : points that the panels take beside it
+    points : the size is in points instead: as large to the eye on any screen
     heard : called at any event
     typed : called with (name on the key, glfw key, modifiers, repeated) when a key goes down
     dropped : called with the paths of files that are dropped on the window
@@ -37,6 +39,8 @@ class Host:
     def __init__(
         self,
         size: tuple[int, int],
+        panel: int,
+        points: bool,
         heard: Callable[[], None],
         typed: Callable[[str, int, int, bool], None],
         dropped: Callable[[list[str]], None],
@@ -48,10 +52,8 @@ class Host:
                 "or set DISPLAY or WAYLAND_DISPLAY"
             )
         context_hints()
-        glfw.window_hint(glfw.SCALE_TO_MONITOR, glfw.TRUE)
-        monitor = glfw.get_primary_monitor()
-        _, _, width, height = glfw.get_monitor_workarea(monitor) if monitor else (0, 0, 1920, 1080)
-        self.window = glfw.create_window(min(size[0], width), min(size[1], height), "glcloth", None, None)
+        glfw.window_hint(glfw.VISIBLE, glfw.FALSE)  # until its size is known
+        self.window = glfw.create_window(640, 360, "glcloth", None, None)
         if not self.window:
             reason = _reason()
             glfw.terminate()
@@ -66,8 +68,20 @@ class Host:
         glfw.swap_interval(0 if self.software else 1)
         self.ctx.gc_mode = "context_gc"
         self._heard, self._typed, self._dropped = heard, typed, dropped
+        self.scale = glfw.get_window_content_scale(self.window)[0]
+        if self.pixels_per_point != 1.0:
+            self.scale = 1.0  # the window's own unit is the point: imgui scales by itself
+        unit = self.scale if points else 1.0 / self.pixels_per_point
+        self._show(unit * size[0] + self.scale * panel, unit * size[1])
         self._listen()
         self._start_imgui()
+
+    def _show(self, width: float, height: float) -> None:
+        """Show the window in a size of its own unit, no larger than the screen."""
+        monitor = glfw.get_primary_monitor()
+        _, _, most_x, most_y = glfw.get_monitor_workarea(monitor) if monitor else (0, 0, 1920, 1080)
+        glfw.set_window_size(self.window, min(round(width), most_x), min(round(height), most_y))
+        glfw.show_window(self.window)
 
     def _listen(self) -> None:
         for listen in (
@@ -88,10 +102,6 @@ class Host:
         implot.create_context()
         imgui.get_io().set_ini_filename("")
         imgui.get_io().config_debug_highlight_id_conflicts = False  # tests/window_walk.py looks for them
-        self.scale = glfw.get_window_content_scale(self.window)[0]
-        frame, screen = glfw.get_framebuffer_size(self.window), glfw.get_window_size(self.window)
-        if frame[0] != screen[0]:
-            self.scale = 1.0  # points: imgui scales by itself
         font = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf"
         if font.is_file():
             imgui.get_io().fonts.add_font_from_file_ttf(str(font), FONT)

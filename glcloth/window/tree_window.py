@@ -17,7 +17,7 @@ from .host import Host, context_hints
 from .refine import Side
 from .screen import Look, Screen
 
-SIZE = (640, 640)
+SIZE = 640  # points a side
 
 
 class TreeWindow:
@@ -32,7 +32,8 @@ class TreeWindow:
         context_hints()
         glfw.window_hint(glfw.FOCUS_ON_SHOW, glfw.FALSE)
         glfw.window_hint(glfw.FOCUSED, glfw.FALSE)
-        self.window = glfw.create_window(*SIZE, "tree", None, host.window)
+        self._side_length = round(SIZE * host.scale)
+        self.window = glfw.create_window(self._side_length, self._side_length, "tree", None, host.window)
         if not self.window:
             raise RuntimeError("no second window")
         self._put_beside()
@@ -68,7 +69,10 @@ class TreeWindow:
             left, top, width, height = glfw.get_monitor_workarea(monitor)
             x, y = glfw.get_window_pos(self._host.window)
             x += glfw.get_window_size(self._host.window)[0] + 8
-            x, y = min(x, left + width - SIZE[0]), min(max(y, top), top + height - SIZE[1])
+            x, y = (
+                min(x, left + width - self._side_length),
+                min(max(y, top), top + height - self._side_length),
+            )
             glfw.set_window_pos(self.window, max(x, left), max(y, top))
 
     @property
