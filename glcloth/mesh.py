@@ -70,10 +70,15 @@ class Mesh:
             array.flags.writeable = False
             object.__setattr__(self, field, array)
 
+    def _used(self) -> np.ndarray:
+        used = np.zeros(len(self.positions), bool)
+        used[self.triangles] = True
+        return self.positions[used].astype(float)
+
     @property
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the corners (low [3], high [3]) of the axis-aligned box about all triangles, float64."""
-        used = self.positions[np.unique(self.triangles)].astype(float)
+        used = self._used()
         return used.min(axis=0), used.max(axis=0)
 
     @property
@@ -85,7 +90,7 @@ class Mesh:
     @property
     def radius(self) -> float:
         """Return the radius of the sphere about `center` that holds every triangle."""
-        used = self.positions[np.unique(self.triangles)].astype(float)
+        used = self._used()
         return float(np.linalg.norm(used - self.center, axis=1).max())
 
 

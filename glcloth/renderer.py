@@ -617,13 +617,19 @@ class Renderer:
         stands about it, and the ground; built once."""
         solids = None if around is None else around.mesh
         if self._occluders is None or self._occluders[0] is not mesh or self._occluders[1] is not solids:
-            structure = make_structure(self.ctx, OCCLUDER_STRUCTURE) if self._occluders is None else self._occluders[3]
-            if self._occluders is not None:
-                self._occluders[2].release()
             corners = mesh.positions[mesh.triangles]
             if around is not None:
                 corners = np.concatenate([corners, around.triangles])
-            triangles = Triangles.of(self.ctx, corners)
+            if self._occluders is None:
+                structure, triangles = make_structure(self.ctx, OCCLUDER_STRUCTURE), None
+            else:
+                triangles, structure = self._occluders[2:4]
+            if triangles is not None and triangles.count == len(corners):
+                triangles.move(corners)
+            else:
+                if triangles is not None:
+                    triangles.release()
+                triangles = Triangles.of(self.ctx, corners)
             structure.build(triangles)
             ground = None if around is None else around.objects.ground
             seen = structure if ground is None else OverGround(structure, ground.height)

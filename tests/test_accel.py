@@ -6,6 +6,7 @@ import curtain_scenes as scenes
 import numpy as np
 import pytest
 
+from glcloth import shapes
 from glcloth.accel.brute import Brute
 from glcloth.accel.kdtree import CONSTANTS, KdTree, KdTreeParameters
 from glcloth.accel.queries import STRUCTURES, RayQueries, make_structure
@@ -275,3 +276,21 @@ def test_the_tree_grows_no_faster_than_the_scene(ctx, keep):
         assert tree.growths == 0
     for small, large in pairwise(sizes):
         assert large[0] < 4.4 * small[0] and large[1] < 4.4 * small[1] and large[2] <= small[2] + 8
+
+
+def test_triangles_that_move_keep_their_pairs_while_these_share_edges(ctx):
+    rng = np.random.default_rng(3)
+    x, corners, *_ = shapes.plane(divisions=6)
+    moved = x + rng.normal(scale=0.02, size=x.shape)
+    torn = moved[corners] + 0.1 * np.arange(len(corners))[:, None, None]
+    triangles = Triangles.of(ctx, x[corners])
+    pairs = triangles.pairs()
+    assert pairs[0] < len(corners)
+    for soup in (moved[corners], torn):
+        triangles.move(soup)
+        fresh = Triangles.of(ctx, soup)
+        assert np.array_equal(triangles.positions(), fresh.positions()) and triangles.padding == fresh.padding
+        assert triangles.corners.buffer.read() == fresh.corners.buffer.read()
+        assert triangles.attributes.buffer.read() == fresh.attributes.buffer.read()
+        assert triangles.pairs()[0] == fresh.pairs()[0] and np.array_equal(triangles.turn, fresh.turn)
+    assert triangles.pairs()[0] == len(corners)

@@ -40,10 +40,15 @@ class Triangles:
     def of(cls, ctx: moderngl.Context, positions: np.ndarray, material: np.ndarray | int = 0) -> Triangles:
         """The triangles of an array [T, 3, 3], flat-shaded."""
         positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
-        scale = float(np.abs(positions).max(initial=0.0)) or 1.0
-        triangles = cls(ctx, len(positions), scale)
-        triangles.set(0, positions, material=material)
+        triangles = cls(ctx, len(positions), 1.0)
+        triangles.move(positions, material)
         return triangles
+
+    def move(self, positions: np.ndarray, material: np.ndarray | int = 0) -> None:
+        """All triangles anew, flat-shaded: [T, 3, 3] of as many as there are."""
+        positions = np.asarray(positions, np.float32)
+        self.padding = (float(np.abs(positions).max(initial=0.0)) or 1.0) * PADDING
+        self.set(0, positions, material=material)
 
     def set(
         self,
@@ -68,16 +73,19 @@ class Triangles:
         T = len(positions)
         assert first + T <= self.count, f"{first} + {T} triangles, room for {self.count}"
         material = np.broadcast_to(material, T)
-        turn, joined = find_pairs(positions, material)
-        self.turn[first : first + T] = turn
+        turn, joined = self.turn[first : first + T], self._joined[first : first + T]
+        # Cloth that moves keeps its pairs.
+        if not joined.any() or not _are_pairs(turned(positions, turn), material, joined):
+            turn, joined = find_pairs(positions, material)
+            self.turn[first : first + T] = turn
         self._join(first, joined)
         positions = np.ascontiguousarray(turned(positions, turn))
         normals, tangents = (None if v is None else turned(np.asarray(v), turn) for v in (normals, tangents))
         edges = (positions[:, 1] - positions[:, 0]).astype(float), (positions[:, 2] - positions[:, 0]).astype(float)
         if normals is None:
-            normals = np.repeat(np.cross(*edges)[:, None], 3, 1)
+            normals = np.cross(*edges)[:, None]
         if tangents is None:
-            tangents = np.repeat(edges[0][:, None], 3, 1)
+            tangents = edges[0][:, None]
         corners = np.empty((T, 3, 4), np.uint32)
         corners[..., :3] = positions.view(np.uint32)
         corners[..., 3] = pack_units(normals)
@@ -173,6 +181,13 @@ def find_pairs(positions: np.ndarray, material: np.ndarray) -> tuple[np.ndarray,
             turn[t], turn[t + 1] = divmod(int(fits[t]), 3)
             last = t
     return turn, joined
+
+
+def _are_pairs(corners: np.ndarray, material: np.ndarray, joined: np.ndarray) -> bool:
+    """Whether triangles [T, 3, 3], turned, that are `joined` [T] to their successors share edges with these."""
+    t = np.flatnonzero(joined)
+    alike = np.array_equal(corners[t, 1], corners[t + 1, 1]) and np.array_equal(corners[t, 2], corners[t + 1, 0])
+    return alike and np.array_equal(material[t], material[t + 1])
 
 
 def turned(corners: np.ndarray, turn: np.ndarray) -> np.ndarray:

@@ -154,14 +154,8 @@ class VertexVisibility:
         self._probe_data.bind(11)
         self._direction_data.bind(12)
         self._bits.buffer.bind_to_storage_buffer(0)
-        for c in range(self.classes):
-            self._run(
-                program,
-                *self.probes.first[c : c + 2],
-                direction_base=c * len(self._traced[0]),
-                first_direction=first,
-                last_direction=last,
-            )
+        size = len(self._traced[0])
+        self._run_classes(program, class_directions=size, first_direction=first, last_direction=last)
         self.ctx.memory_barrier()
 
     def step(self, count: int = WORD) -> int:
@@ -240,7 +234,7 @@ class VertexVisibility:
         for unit, buffer in enumerate((self._bits, self._entries, self._probe_data, self._ranges), 9):
             buffer.bind(unit)
         self._sums.buffer.bind_to_storage_buffer(0)
-        self._run_classes("mean", first_broad, group_count=self.groups, steepness=self.steepness)
+        self._run_classes(self._program("mean"), first_broad, group_count=self.groups, steepness=self.steepness)
         self.ctx.memory_barrier()
         sums = sum(table.sum(0) for table in tables)
         if broad is not None:
@@ -276,8 +270,7 @@ class VertexVisibility:
         for unit, buffer in enumerate((self._bits, self._light_data, self._probe_data, self._x_data), 9):
             buffer.bind(unit)
         self._run_classes(
-            "broad",
-            1,
+            self._program("broad"),
             group=first_broad,
             top_number=top_number(len(gaussians)),
             group_count=self.groups,
@@ -331,16 +324,9 @@ class VertexVisibility:
             self._programs[key] = shader.compute(self.ctx, f"passes/visibility_{stage}.comp", None, virtual)
         return self._programs[key]
 
-    def _run(self, program, begin: int, end: int, /, **uniforms) -> None:
-        """Run a program for the probes or vertices number `begin` to `end` - 1."""
-        if end > begin:
-            probes = len(self.probes.points)
-            shader.set_uniforms(program, first_item=int(begin), last_item=int(end), probe_count=probes, **uniforms)
-            program.run(-(-int(end - begin) // 64))
-
-    def _run_classes(self, stage: str, layers: int, **uniforms) -> None:
+    def _run_classes(self, program, layers: int = 1, **uniforms) -> None:
         """Run a program for all probes of all classes, `layers` times."""
-        program, first = self._program(stage), self.probes.first
+        first = self.probes.first
         padded = np.append(first, np.repeat(first[-1:], MOST_CLASSES + 1 - len(first)))
         shader.set_uniforms(program, first_probe=[int(n) for n in padded], probe_count=int(first[-1]), **uniforms)
         program.run(-(-int(np.diff(first).max()) // 64), self.classes, layers)
