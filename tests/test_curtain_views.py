@@ -8,8 +8,8 @@ from glcloth.accel.kdtree import KdTree
 from glcloth.accel.triangles import Triangles
 from glcloth.camera import Camera
 from glcloth.curtain.lighting import Lamp, Lighting
-from glcloth.curtain.tracer import Tracer
-from glcloth.curtain.tree_view import GREEN, GREY, YELLOW, box_lines, draw_tree, shown_nodes
+from glcloth.curtain.tracer import Shot, Tracer
+from glcloth.curtain.tree_view import GREEN, GREY, YELLOW, TreeContent, box_lines, draw_tree, shown_nodes
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.reference import sheet
@@ -36,15 +36,16 @@ def test_colours_of_the_view(ctx, tree):
     arrays, soup = tree
     colors = np.full((len(soup), 3), (0.2, 0.3, 0.9))
     camera = Camera((4.0, 4.0, 9.0), (0, 1.2, 1.0), fov_deg=40)
-    picture = draw_tree(ctx, arrays, soup, colors, camera, (200, 200), lamp=(3.0, 3.2, 3.0), level=3)
+    picture = draw_tree(ctx, TreeContent(arrays, soup, colors, camera, (3.0, 3.2, 3.0)), (200, 200), 3)
     assert picture.shape == (200, 200, 3)
     assert near(picture, (0.2, 0.3, 0.9)) > 1000, "primitives are unshaded"
     assert near(picture, YELLOW) > 10 and near(picture, (1, 1, 1)) > 1000
-    bare = draw_tree(ctx, arrays, soup, colors, camera, (200, 200), level=0, hidden=np.ones(len(soup), bool))
+    alone = TreeContent(arrays, soup, colors, camera, hidden=np.ones(len(soup), bool))
+    bare = draw_tree(ctx, alone, (200, 200), 0)
     assert near(bare, (0.2, 0.3, 0.9)) == 0 and near(bare, YELLOW) == 0
     # Lines are two half pixels wide at most, so they mix with the paper.
     green = (bare[..., 1] - bare[..., 0] > 0.1).sum()
-    more = draw_tree(ctx, arrays, soup, colors, camera, (200, 200), hidden=np.ones(len(soup), bool))
+    more = draw_tree(ctx, alone, (200, 200))
     assert 100 < green < (more[..., 1] - more[..., 0] > 0.1).sum()
     assert max(GREEN) < 1 and len(set(GREY)) == 1
 
@@ -55,7 +56,8 @@ def test_what_is_in_front_hides(ctx, tree):
     wall = np.array([[[-50, -50, 5.0], [50, -50, 5], [0, 90, 5]]], np.float32)
     positions = np.concatenate([soup, wall])
     colors = np.r_[np.full((len(soup), 3), 0.5), [[0.7, 0.1, 0.1]]]
-    picture = draw_tree(ctx, arrays, positions, colors, Camera((0, 1, 8), (0, 1, 0), fov_deg=30), (60, 60), level=4)
+    content = TreeContent(arrays, positions, colors, Camera((0, 1, 8), (0, 1, 0), fov_deg=30))
+    picture = draw_tree(ctx, content, (60, 60), 4)
     assert near(picture, (0.7, 0.1, 0.1)) == 3600
 
 
@@ -78,7 +80,7 @@ def test_boxes_have_twelve_edges():
 
 def test_brute_force_has_no_tree(ctx):
     with pytest.raises(InputError, match="no tree"):
-        draw_tree(ctx, {"axis": np.array([3])}, np.zeros((1, 3, 3)), np.ones((1, 3)), Camera(), (8, 8))
+        draw_tree(ctx, TreeContent({"axis": np.array([3])}, np.zeros((1, 3, 3)), np.ones((1, 3)), Camera()), (8, 8))
 
 
 def test_sorted_layers(ctx):
@@ -94,7 +96,7 @@ def test_sorted_layers(ctx):
         positions = np.concatenate([sheet_at + np.array([0, 0, z]) for z in depths])
         triangles = Triangles.of(ctx, positions, 0)
         tracer.set_scene(triangles, np.zeros((1, 3)))
-        got = tracer.layers(camera, (8, 8), VOILE, lighting)
+        got = tracer.layers(Shot(camera, (8, 8), VOILE, lighting))
         np.testing.assert_allclose(
             got, np.broadcast_to(np.array([0.5, 0.7, 1.0]) * through ** len(depths), got.shape), rtol=2e-3
         )
@@ -106,7 +108,7 @@ def test_sorted_layers(ctx):
     triangles.set(2, sheet_at, material=0)
     tracer.set_scene(triangles, np.array([[0, 0, 0], [0.5, 0.5, 0.5]]))
     tracer.build()
-    assert tracer.layers(camera, (8, 8), VOILE, lamp).min() > 0.01
-    assert tracer.trace(camera, (8, 8), VOILE, lamp).max() == 0, "the ray tracer knows the shadow"
+    assert tracer.layers(Shot(camera, (8, 8), VOILE, lamp)).min() > 0.01
+    assert tracer.trace(Shot(camera, (8, 8), VOILE, lamp)).max() == 0, "the ray tracer knows the shadow"
     triangles.release()
     tracer.release()

@@ -8,7 +8,7 @@ import slow_tracer
 from glcloth.accel.triangles import Triangles
 from glcloth.camera import Camera
 from glcloth.curtain.lighting import Lamp, Lighting
-from glcloth.curtain.tracer import Tracer, TraceSettings
+from glcloth.curtain.tracer import Shot, Tracer, TraceSettings
 from glcloth.environment import Environment, lookup, rotation_y
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
@@ -51,10 +51,18 @@ def view(tracer, parts, size=(16, 8), lighting=None, camera=None, fabric=VOILE, 
     positions = np.concatenate([p for p, _ in parts])
     material = np.concatenate([np.full(len(p), m) for p, m in parts])
     return tracer.render(
-        positions, material, np.array([[0, 0, 0], [0.5, 0.5, 0.5], [0, 0, 0]]), camera or Camera((0, 0, 4), (0, 0, 0)), size,
-        fabric, lighting or Lighting(Lamp(intensity=DARK), DARK, WHITE), settings=TraceSettings(**settings),
+        positions,
+        material,
+        np.array([[0, 0, 0], [0.5, 0.5, 0.5], [0, 0, 0]]),
+        Shot(
+            camera or Camera((0, 0, 4), (0, 0, 0)),
+            size,
+            fabric,
+            lighting or Lighting(Lamp(intensity=DARK), DARK, WHITE),
+            settings=TraceSettings(**settings),
+        ),
         tangents=np.broadcast_to([1.0, 0, 0], positions.shape),
-    )  # fmt: skip
+    )
 
 
 def pixel_directions(camera, size):
@@ -153,9 +161,11 @@ def test_environment_behind_the_window(tracer):
     environment = Environment("test", rng.random((16, 32, 3)).astype(np.float32))
     camera = Camera((0, 0, 0), (1, 0.2, -0.3), fov_deg=70)
     got = tracer.render(
-        floor(-1000.0, 1.0), np.ones(2, int), np.full((2, 3), 0.5), camera, (16, 8), VOILE, Lighting(Lamp(intensity=DARK), DARK),
-        environment, env_rotate=35,
-    )  # fmt: skip
+        floor(-1000.0, 1.0),
+        np.ones(2, int),
+        np.full((2, 3), 0.5),
+        Shot(camera, (16, 8), VOILE, Lighting(Lamp(intensity=DARK), DARK), environment, env_rotate=35),
+    )
     expected = lookup(environment, pixel_directions(camera, (16, 8)) @ rotation_y(-35).T)
     np.testing.assert_allclose(got, expected, rtol=0.02, atol=0.01)
 
@@ -194,7 +204,8 @@ def test_against_a_slow_tracer(tracer):
     scene = folded_scene(17, 9)
     size = (20, 20)
     got = tracer.render(
-        **scene, camera=ROOM_CAMERA, size=size, fabric=VOILE, lighting=ROOM_LIGHT, settings=TraceSettings(depth=3)
+        **scene,
+        shot=Shot(camera=ROOM_CAMERA, size=size, fabric=VOILE, lighting=ROOM_LIGHT, settings=TraceSettings(depth=3)),
     )
     d = pixel_directions(ROOM_CAMERA, size).reshape(-1, 3)
     expected = slow_tracer.trace(np.array(ROOM_CAMERA.eye), d, scene, VOILE, ROOM_LIGHT, depth=3, cutoff=1e-3).reshape(
@@ -211,8 +222,8 @@ def test_structures_make_the_same_picture(tracer, accelerator):
         pytest.importorskip("glcloth.accel.lbvh")
     scene = folded_scene()
     pictures = [
-        tracer.render(**scene, camera=ROOM_CAMERA, size=(64, 64), fabric=VOILE, lighting=ROOM_LIGHT,
-                      settings=TraceSettings(accelerator=name))
+        tracer.render(**scene, shot=Shot(camera=ROOM_CAMERA, size=(64, 64), fabric=VOILE, lighting=ROOM_LIGHT,
+                      settings=TraceSettings(accelerator=name)))
         for name in ("kdtree", accelerator)
     ]  # fmt: skip
     np.testing.assert_allclose(pictures[0], pictures[1], rtol=1e-5, atol=1e-6)
@@ -221,7 +232,8 @@ def test_structures_make_the_same_picture(tracer, accelerator):
 def test_the_picture_is_the_same_every_time(tracer):
     scene = folded_scene()
     a, b = (
-        tracer.render(**scene, camera=ROOM_CAMERA, size=(100, 70), fabric=VOILE, lighting=ROOM_LIGHT) for _ in range(2)
+        tracer.render(**scene, shot=Shot(camera=ROOM_CAMERA, size=(100, 70), fabric=VOILE, lighting=ROOM_LIGHT))
+        for _ in range(2)
     )
     np.testing.assert_array_equal(a, b)
 
@@ -230,9 +242,13 @@ def test_no_speckles(tracer):
     """A smooth curtain alone: no pixel differs from all its neighbours, as self-intersections would make it."""
     cloth, normals, tangents = soft_curtain(97, 65)
     picture = tracer.render(
-        cloth, np.zeros(len(cloth), int), np.zeros((1, 3)), Camera((0.2, 1.3, 2.6), (0, 1.3, 0), fov_deg=28), (160, 160),
-        VOILE, ROOM_LIGHT, normals=normals, tangents=tangents,
-    )[..., 1]  # fmt: skip
+        cloth,
+        np.zeros(len(cloth), int),
+        np.zeros((1, 3)),
+        Shot(Camera((0.2, 1.3, 2.6), (0, 1.3, 0), fov_deg=28), (160, 160), VOILE, ROOM_LIGHT),
+        normals,
+        tangents,
+    )[..., 1]
     middle = picture[1:-1, 1:-1]
     around = np.stack([picture[1 + i : 159 + i, 1 + j : 159 + j] for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j])
     dark = (around.min(0) - middle) / around.mean(0)
@@ -242,20 +258,21 @@ def test_no_speckles(tracer):
 
 def test_tiles_and_odd_sizes(tracer, monkeypatch):
     scene = folded_scene()
-    whole = tracer.render(**scene, camera=ROOM_CAMERA, size=(71, 53), fabric=VOILE, lighting=ROOM_LIGHT)
+    whole = tracer.render(**scene, shot=Shot(camera=ROOM_CAMERA, size=(71, 53), fabric=VOILE, lighting=ROOM_LIGHT))
     monkeypatch.setattr("glcloth.curtain.tracer.TILE_PIXELS", 256)
-    tiled = tracer.render(**scene, camera=ROOM_CAMERA, size=(71, 53), fabric=VOILE, lighting=ROOM_LIGHT)
+    tiled = tracer.render(**scene, shot=Shot(camera=ROOM_CAMERA, size=(71, 53), fabric=VOILE, lighting=ROOM_LIGHT))
     np.testing.assert_array_equal(whole, tiled)
 
 
 def test_supersampling_converges(tracer):
     """Sixteen samples a pixel lie nearer to a picture of twice the size, averaged, than one does."""
     scene = folded_scene()
-    common = {**scene, "camera": ROOM_CAMERA, "fabric": VOILE, "lighting": ROOM_LIGHT}
-    fine = tracer.render(**common, size=(192, 192)).reshape(48, 4, 48, 4, 3).mean((1, 3))
+    common = {"camera": ROOM_CAMERA, "fabric": VOILE, "lighting": ROOM_LIGHT}
+    fine = tracer.render(**scene, shot=Shot(size=(192, 192), **common)).reshape(48, 4, 48, 4, 3).mean((1, 3))
     errors = [
         np.abs(
-            np.minimum(tracer.render(**common, size=(48, 48), settings=TraceSettings(spp=n)), 2) - np.minimum(fine, 2)
+            np.minimum(tracer.render(**scene, shot=Shot(size=(48, 48), settings=TraceSettings(spp=n), **common)), 2)
+            - np.minimum(fine, 2)
         ).mean()
         for n in (1, 16)
     ]
@@ -275,7 +292,7 @@ def test_spread_keeps_the_energy(tracer):
 
 def test_statistics_add_up(tracer):
     scene = folded_scene()
-    tracer.render(**scene, camera=ROOM_CAMERA, size=(64, 64), fabric=VOILE, lighting=ROOM_LIGHT)
+    tracer.render(**scene, shot=Shot(camera=ROOM_CAMERA, size=(64, 64), fabric=VOILE, lighting=ROOM_LIGHT))
     s = tracer.statistics
     assert s.rays[0] == 64 * 64 and len(s.rays) == 4
     assert all(0 < b <= 2 * a for a, b in zip(s.rays, s.rays[1:], strict=False))
@@ -315,10 +332,11 @@ def test_a_grid_on_the_gpu_is_the_same_as_arrays(ctx, tracer):
 def test_wrong_input(tracer):
     scene = folded_scene()
     with pytest.raises(InputError, match="transmission"):
-        tracer.render(**scene, camera=ROOM_CAMERA, size=(8, 8), fabric=load_fabric("satin_charmeuse_front"))
+        tracer.render(**scene, shot=Shot(camera=ROOM_CAMERA, size=(8, 8), fabric=load_fabric("satin_charmeuse_front")))
     with pytest.raises(InputError, match="accelerator"):
         tracer.render(
-            **scene, camera=ROOM_CAMERA, size=(8, 8), fabric=VOILE, settings=TraceSettings(accelerator="octree")
+            **scene,
+            shot=Shot(camera=ROOM_CAMERA, size=(8, 8), fabric=VOILE, settings=TraceSettings(accelerator="octree")),
         )
     for bad in ({"depth": 0}, {"depth": 9}, {"spp": 0}, {"cutoff": 1.0}):
         with pytest.raises(InputError, match=next(iter(bad))):

@@ -206,11 +206,7 @@ def seen(app, number):
 def traced_as(show, scene):
     """The picture of a curtain as it hangs, with the fabric and the rays of another scene."""
     show.build()
-    lighting, settings = scene.lighting, scene.settings
-    fabric = load_fabric(scene.fabric)
-    return show.tracer.trace(
-        scene.view, scene.size, fabric, lighting, show.environment, settings, env_rotate=scene.env_rotate
-    )
+    return show.tracer.trace(show.shot(scene))
 
 
 def curtain(folder):

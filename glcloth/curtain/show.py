@@ -25,8 +25,8 @@ from ..scene import View, ViewTransform
 from .cloth import CurtainParameters, CurtainSimulation
 from .lighting import Lamp, Lighting
 from .room import ROOM, Room, load_room
-from .tracer import Tracer, TraceSettings
-from .tree_view import draw_tree
+from .tracer import Shot, Tracer, TraceSettings
+from .tree_view import TreeContent, draw_tree
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
@@ -242,11 +242,17 @@ class CurtainShow:
             yield from self.tracer.build_steps(accelerator)
             self._built.add(accelerator)
 
+    def shot(self, other: CurtainScene | None = None) -> Shot:
+        """What the tracer shows of the scene, or of another one whose fabric and rays to take; the curtain hangs as it
+        hangs."""
+        s = other or self.scene
+        fabric = self.fabric if other is None else load_fabric(other.fabric)
+        return Shot(s.view, s.size, fabric, s.lighting, self.environment, s.settings, s.env_rotate)
+
     def picture(self) -> np.ndarray:
         """Trace the present frame: float32 [H, W, 3], linear Rec. 709, top row first."""
         self.build()
-        s = self.scene
-        return self.tracer.trace(s.view, s.size, self.fabric, s.lighting, self.environment, s.settings, s.env_rotate)
+        return self.tracer.trace(self.shot())
 
     def steps(
         self, size: tuple[int, int], spp: int, pixels: Callable[[], int], other: CurtainScene | None = None
@@ -254,34 +260,30 @@ class CurtainShow:
         """Trace the present frame tile by tile into `tracer.picture`, as Tracer.steps does; at the scene's size and
         samples it is `picture`, bit for bit.
 
-        other : a scene whose fabric, rays and structure to take for this picture; the curtain hangs as it hangs
+        other : a scene whose fabric, rays and structure to take for this picture, as for `shot`
         """
-        s = other or self.scene
-        for _ in self.building(s.accelerator):
+        for _ in self.building((other or self.scene).accelerator):
             pass
-        fabric = self.fabric if other is None else load_fabric(other.fabric)
-        settings = dataclasses.replace(s.settings, spp=spp)
-        return self.tracer.steps(
-            s.view, size, fabric, s.lighting, self.environment, settings, s.env_rotate, None, pixels
-        )
+        shot = self.shot(other)
+        settings = dataclasses.replace(shot.settings, spp=spp)
+        return self.tracer.steps(dataclasses.replace(shot, size=size, settings=settings), pixels)
 
     def layers(self, size: tuple[int, int] | None = None, other: CurtainScene | None = None) -> np.ndarray:
         """The present frame rasterised: sorted layers, blended, without shadows; result as for `picture`.
 
         size, other : as for `steps`
         """
-        s = other or self.scene
-        fabric = self.fabric if other is None else load_fabric(other.fabric)
+        shot = self.shot(other)
         background = tuple(map(float, self.environment.mean))
-        lighting = dataclasses.replace(s.lighting, background=background)
-        return self.tracer.layers(s.view, size or s.size, fabric, lighting)
+        lighting = dataclasses.replace(shot.lighting, background=background)
+        return self.tracer.layers(dataclasses.replace(shot, size=size or shot.size, lighting=lighting))
 
     def tree(self, level: int | None = None, camera: Camera | None = None) -> np.ndarray:
         """The structure of the present frame as a picture, of one level or (None) of its leaves; result as for `picture`."""
-        return draw_tree(self.ctx, size=self.scene.size, level=level, **self.tree_arguments(camera or self.scene.view))
+        return draw_tree(self.ctx, self.tree_content(camera or self.scene.view), self.scene.size, level)
 
-    def tree_arguments(self, camera: Camera) -> dict:
-        """What TreePicture.draw takes of the present frame."""
+    def tree_content(self, camera: Camera) -> TreeContent:
+        """What a picture of the structure shows of the present frame."""
         self.build()
         arrays = self.tracer.structure(self.scene.accelerator).arrays()
         positions = self.triangles.positions()
@@ -289,10 +291,7 @@ class CurtainShow:
             [self.room.material + 1, np.zeros(self.triangles.count - len(self.room.material), int)]
         )
         colors = np.where((material == CLOTH)[:, None], CLOTH_TINT, self.materials[material])
-        return {
-            "tree": arrays, "positions": positions, "colors": colors, "camera": camera,
-            "lamp": self.scene.lamp_position, "hidden": hides(positions, camera),
-        }  # fmt: skip
+        return TreeContent(arrays, positions, colors, camera, self.scene.lamp_position, hides(positions, camera))
 
     def frames(self, count: int, start: int = 0) -> Iterator[np.ndarray]:
         """Yield the pictures of frames `start` to `count` - 1; the ones before are only simulated."""

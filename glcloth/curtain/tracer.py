@@ -10,7 +10,7 @@ made in tiles.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -60,6 +60,36 @@ class TraceSettings:
             raise InputError(f"spp = {self.spp}, expected 1 to 4096 samples per pixel")
         if not 0 <= self.cutoff < 1:
             raise InputError(f"cutoff = {self.cutoff}, expected 0 or more and less than 1")
+
+
+@dataclass(frozen=True)
+class Shot:
+    """What a picture shows of a scene, and how.
+
+    size : width, height in pixels. environment : seen by rays that leave the scene, turned by `env_rotate` degrees.
+    offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `settings.spp` points.
+    """
+
+    camera: Camera
+    size: tuple[int, int]
+    fabric: Fabric
+    lighting: Lighting = field(default_factory=Lighting)
+    environment: Environment | None = None
+    settings: TraceSettings = TraceSettings()
+    env_rotate: float = 0.0
+    offsets: tuple[tuple[float, float], ...] | None = None
+
+    def __post_init__(self):
+        if self.fabric.transmission is None:
+            raise InputError(
+                f"fabric {self.fabric.name}: has no [transmission], which the ray tracer needs; add the block, or take "
+                "sheer_voile"
+            )
+
+    @property
+    def samples(self) -> Sequence[tuple[float, float]]:
+        """Where in the pixel the samples lie."""
+        return self.offsets or sample_offsets(self.settings.spp)
 
 
 @dataclass
@@ -184,15 +214,9 @@ class Tracer:
         positions: np.ndarray,
         material: np.ndarray,
         materials: np.ndarray,
-        camera: Camera,
-        size: tuple[int, int],
-        fabric: Fabric,
-        lighting: Lighting | None = None,
-        environment: Environment | None = None,
-        settings: TraceSettings | None = None,
+        shot: Shot,
         normals: np.ndarray | None = None,
         tangents: np.ndarray | None = None,
-        env_rotate: float = 0.0,
     ) -> np.ndarray:
         """Trace one picture of arrays.
 
@@ -200,93 +224,63 @@ class Tracer:
         ----------
         positions : [T, 3, 3] metres; normals, tangents : [T, 3, 3] of the corners (default: flat; the first edge)
         material : [T] int, 0 is the cloth; materials : [M, 3] diffuse reflectances, linear Rec. 709
-        size : width, height in pixels
-        environment : seen by rays that leave the scene, turned by `env_rotate` degrees
 
         Returns float32 [H, W, 3], linear Rec. 709, top row first. Raises InputError for wrong input.
         """
-        settings = settings or TraceSettings()
         positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
         scale = float(np.abs(positions).max(initial=1e-3))
-        triangles = Triangles(self.ctx, len(positions), max(scale, float(np.abs(camera.eye).max())))
+        triangles = Triangles(self.ctx, len(positions), max(scale, float(np.abs(shot.camera.eye).max())))
         triangles.set(0, positions, normals, tangents, material)
         try:
             self.set_scene(triangles, materials)
-            self.build(settings.accelerator)
-            return self.trace(camera, size, fabric, lighting, environment, settings, env_rotate)
+            self.build(shot.settings.accelerator)
+            return self.trace(shot)
         finally:
             triangles.release()
             self.triangles = None
 
     # -- tracing -------------------------------------------------------------------------------------------------
 
-    def trace(
-        self,
-        camera: Camera,
-        size: tuple[int, int],
-        fabric: Fabric,
-        lighting: Lighting | None = None,
-        environment: Environment | None = None,
-        settings: TraceSettings | None = None,
-        env_rotate: float = 0.0,
-        offsets: list[tuple[float, float]] | None = None,
-    ) -> np.ndarray:
-        """Trace one picture of the scene that was set and built; parameters and result as for `render`.
-
-        offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `spp` points
-        """
-        width, height = size
+    def trace(self, shot: Shot) -> np.ndarray:
+        """Trace one picture of the scene that was set and built; result as for `render`."""
+        width, height = shot.size
         begin = time.perf_counter()
-        steps = self.steps(camera, size, fabric, lighting, environment, settings, env_rotate, offsets)
-        total = len(list(_tiles(width, height))) * len(offsets or sample_offsets((settings or TraceSettings()).spp))
+        steps = self.steps(shot)
+        total = len(list(_tiles(width, height))) * len(shot.samples)
         for _ in track(steps, "trace: samples of tiles", total) if total > 1 else steps:
             pass
         picture = np.frombuffer(self.picture.read(16 * width * height), np.float32).reshape(height, width, 4)
         self.statistics.total_ms = 1000 * (time.perf_counter() - begin)
         return picture[..., :3].copy()
 
-    def steps(
-        self,
-        camera: Camera,
-        size: tuple[int, int],
-        fabric: Fabric,
-        lighting: Lighting | None = None,
-        environment: Environment | None = None,
-        settings: TraceSettings | None = None,
-        env_rotate: float = 0.0,
-        offsets: list[tuple[float, float]] | None = None,
-        pixels: Callable[[], int] | None = None,
-    ) -> Iterator[float]:
+    def steps(self, shot: Shot, pixels: Callable[[], int] | None = None) -> Iterator[float]:
         """Trace one picture tile by tile into the buffer `picture`, for a caller with other things to do in between.
-
-        Parameters and errors as for `trace`; the result does not depend on the tiles.
+        The result does not depend on the tiles.
 
         pixels : called before each row of tiles: about how many pixels each of them shall have; default: TILE_PIXELS
 
         Yields the share that is done. `picture` holds a vec4 a pixel, top row first: linear Rec. 709, already divided by
         the number of samples, and how many samples have been added.
         """
-        settings, lighting = settings or TraceSettings(), lighting or Lighting()
-        _require_transmission(fabric)
-        width, height = size
-        offsets = offsets or sample_offsets(settings.spp)
-        structure = self.structure(settings.accelerator)
+        width, height = shot.size
+        structure = self.structure(shot.settings.accelerator)
         self.statistics = TraceStatistics(build_ms=dict(structure.timings))
         begin = time.perf_counter()
-        self._prepare(fabric, lighting, environment, env_rotate, camera, settings)
+        self._prepare(shot)
         self._reserve_picture(width * height)
         done = 0
-        for k, offset in enumerate(offsets):
+        for k in range(len(shot.samples)):
             for tile in _tiles(width, height, pixels):
-                self._trace_tile(tile, size, camera, offset, k, 1.0 / len(offsets), structure, settings)
+                self._trace_tile(tile, shot, k, structure)
                 self.statistics.total_ms += 1000 * (time.perf_counter() - begin)
                 (x, y), (across, rows) = tile
                 done += min(4 * across, width - x) * min(2 * rows, height - y)
-                yield done / (width * height * len(offsets))
+                yield done / (width * height * len(shot.samples))
                 begin = time.perf_counter()
 
-    def _prepare(self, fabric, lighting, environment, env_rotate, camera, settings) -> None:
+    def _prepare(self, shot: Shot) -> None:
         """Upload what changed and set the uniforms that hold for the whole picture."""
+        fabric, lighting, environment, camera = shot.fabric, shot.lighting, shot.environment, shot.camera
         self._fabric.prepare(fabric)
         if environment is not self._environment[0]:
             if self._environment[1] is not None:
@@ -295,15 +289,15 @@ class Tracer:
         scale = self.triangles.padding / PADDING
         far = 4.0 * (scale + float(np.abs(camera.eye).max())) * 3**0.5
         shader.set_uniforms(self._program("camera"), eye=camera.eye, far=far)
-        for shade in self._shades(settings):
+        for shade in self._shades(shot.settings):
             self._set_light(shade, fabric, lighting, far)
             shader.set_uniforms(
-                shade, offset=8 * self.triangles.padding, cutoff=settings.cutoff, background=lighting.background,
+                shade, offset=8 * self.triangles.padding, cutoff=shot.settings.cutoff, background=lighting.background,
                 has_environment=environment is not None,
             )  # fmt: skip
             if "environment_from_world" in shade:
-                shade["environment_from_world"].write(rotation_y(-env_rotate).T.astype("f4").tobytes())
-        shadow = self._program("shadow", self.structure(settings.accelerator))
+                shade["environment_from_world"].write(rotation_y(-shot.env_rotate).T.astype("f4").tobytes())
+        shadow = self._program("shadow", self.structure(shot.settings.accelerator))
         _set_transmission(shadow, fabric)
         # From any point of the scene, both ends of which lie within `scale` of the middle along each axis, this is outside.
         shader.set_uniforms(
@@ -319,21 +313,22 @@ class Tracer:
             cloth_albedo=tuple(map(float, mean_albedo(fabric) * limit)), reflection_limit=limit,
         )  # fmt: skip
 
-    def layers(
-        self, camera: Camera, size: tuple[int, int], fabric: Fabric, lighting: Lighting | None = None
-    ) -> np.ndarray:
-        """Rasterise the scene that was set instead: sorted layers, blended, without shadows; result as for `trace`."""
-        _require_transmission(fabric)
-        lighting = lighting or Lighting()
+    def layers(self, shot: Shot) -> np.ndarray:
+        """Rasterise the scene that was set instead: sorted layers, blended, without shadows, before the lighting's
+        background; result as for `trace`."""
         if self._layers is None:
             self._layers = LayersPicture(self.ctx)
         program = self._layers.program
-        self._fabric.prepare(fabric)
-        self._set_light(program, fabric, lighting, 1e6)
+        self._fabric.prepare(shot.fabric)
+        self._set_light(program, shot.fabric, shot.lighting, 1e6)
         self._fabric.bind(program)
         self._bind_surfaces()
         return self._layers.draw(
-            self.triangles.positions(), self.triangles.materials() == 0, camera, size, lighting.background
+            self.triangles.positions(),
+            self.triangles.materials() == 0,
+            shot.camera,
+            shot.size,
+            shot.lighting.background,
         )
 
     def _reserve_picture(self, pixels: int) -> None:
@@ -341,8 +336,10 @@ class Tracer:
             self.picture.orphan(16 * pixels)
         self.picture.write(bytes(16 * pixels))
 
-    def _trace_tile(self, tile, size, camera, offset, sample, share, structure, settings) -> None:
+    def _trace_tile(self, tile, shot: Shot, sample: int, structure) -> None:
+        """Add one sample of each pixel of a tile to the picture."""
         (x, y), blocks = tile
+        size, settings = shot.size, shot.settings
         rays = 8 * blocks[0] * blocks[1]
         first = self._generations[0]
         first.reserve(rays)
@@ -355,8 +352,8 @@ class Tracer:
         self._counts.write(np.array([0, 0, 0, rays], np.uint32).tobytes())
         where = {"size": size, "tile_first": (x, y), "tile_blocks": blocks}
         camera_pass = self._program("camera")
-        shader.set_uniforms(camera_pass, jitter=offset, stride=stride, **where)
-        camera_pass["ray_from_pixel"].write(_centred(camera, size).T.astype("f4").tobytes())
+        shader.set_uniforms(camera_pass, jitter=shot.samples[sample], stride=stride, **where)
+        camera_pass["ray_from_pixel"].write(shot.camera.ray_from_pixel(size).T.astype("f4").tobytes())
         self._heads.buffer.bind_to_storage_buffer(1)
         first.weights.buffer.bind_to_storage_buffer(2)
         self._run("camera", rays)
@@ -379,7 +376,7 @@ class Tracer:
             self._run("gather", parent.count, **parent.runs)
         first.radiance.bind(8)
         self.picture.bind_to_storage_buffer(0)
-        self._run("picture", rays, share=share, **where)
+        self._run("picture", rays, share=1.0 / len(shot.samples), **where)
         self.statistics.gather_ms += 1000 * (time.perf_counter() - begin)
 
     def _trace_generation(
@@ -501,13 +498,6 @@ class Tracer:
             self._layers.release()
 
 
-def _require_transmission(fabric: Fabric) -> None:
-    if fabric.transmission is None:
-        raise InputError(
-            f"fabric {fabric.name}: has no [transmission], which the ray tracer needs; add the block, or take sheer_voile"
-        )
-
-
 def _set_transmission(program, fabric: Fabric) -> None:
     """The uniforms of passes/transmission.glsl."""
     shader.set_uniforms(program, **fabric.transmission.model_dump())
@@ -535,11 +525,6 @@ def _tiles(width: int, height: int, pixels: Callable[[], int] | None = None):
         for x in range(0, width, across):
             yield (x, y), (-(-min(across, width - x) // 4), -(-min(rows, height - y) // 2))
         y += rows
-
-
-def _centred(camera: Camera, size: tuple[int, int]) -> np.ndarray:
-    """[3, 3]: direction from the eye = matrix @ (x, y, 1), x and y in pixels from the lower left corner."""
-    return camera.ray_from_pixel(size)
 
 
 def _texture(ctx: moderngl.Context, environment: Environment) -> moderngl.Texture:

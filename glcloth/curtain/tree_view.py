@@ -7,6 +7,7 @@ z-buffered.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
@@ -47,6 +48,22 @@ def shown_nodes(tree: dict[str, np.ndarray], level: int | None) -> np.ndarray:
     return np.flatnonzero(tree["depth"] == level)
 
 
+@dataclass(frozen=True)
+class TreeContent:
+    """What a picture of a structure shows, and from where.
+
+    tree : `arrays()` of a structure that has boxes (kdtree or lbvh). positions : [T, 3, 3]; colors : [T, 3] diffuse, linear.
+    lamp : position of the lamp. hidden : [T] bool, triangles to leave out (walls that would hide the rest).
+    """
+
+    tree: dict[str, np.ndarray]
+    positions: np.ndarray
+    colors: np.ndarray
+    camera: Camera
+    lamp: tuple[float, float, float] | None = None
+    hidden: np.ndarray | None = None
+
+
 class TreePicture:
     """Draws structures into a texture of its own, again and again: `texture`, RGBA, linear, bottom row first."""
 
@@ -60,36 +77,21 @@ class TreePicture:
         self._target: moderngl.Framebuffer | None = None
         self._depth: moderngl.Renderbuffer | None = None
 
-    def draw(self, **content) -> int:
+    def draw(self, content: TreeContent, size: tuple[int, int], level: int | None = None) -> int:
         """Draw as `steps` does, all at once; returns how many boxes it drew."""
-        for _ in self.steps(**content):
+        for _ in self.steps(content, size, level):
             pass
         return self.boxes
 
-    def steps(
-        self,
-        tree: dict[str, np.ndarray],
-        positions: np.ndarray,
-        colors: np.ndarray,
-        camera: Camera,
-        size: tuple[int, int],
-        lamp: tuple[float, float, float] | None = None,
-        level: int | None = None,
-        hidden: np.ndarray | None = None,
-    ) -> Iterator[None]:
+    def steps(self, content: TreeContent, size: tuple[int, int], level: int | None = None) -> Iterator[None]:
         """Draw a structure and the triangles that it holds, a part at a time, for a caller with other things to do.
 
-        Parameters
-        ----------
-        tree : `arrays()` of a structure that has boxes (kdtree or lbvh)
-        positions : [T, 3, 3]; colors : [T, 3] diffuse, linear
-        lamp : position of the lamp
         level : draw the boxes of this level; None: of the leaves that hold triangles
-        hidden : [T] bool, triangles to leave out (walls that would hide the rest)
 
         `boxes` says afterwards how many were drawn. Raises InputError for a structure without boxes or a level that it
         does not have.
         """
+        tree, positions, lamp = content.tree, content.positions, content.lamp
         if "low" not in tree:
             raise InputError("brute force has no tree to show; choose kdtree or lbvh")
         nodes = shown_nodes(tree, level)
@@ -100,14 +102,14 @@ class TreePicture:
         length = float(np.linalg.norm(bound_high - bound_low))
         axes = np.array([[[0, 0, 0], axis] for axis in 0.5 * length * np.eye(3)]).reshape(-1, 3)
         bulb = np.zeros((0, 3)) if lamp is None else _octahedron(np.array(lamp, float), 0.02 * length)
-        keep = np.ones(len(positions), bool) if hidden is None else ~np.asarray(hidden)
+        keep = np.ones(len(positions), bool) if content.hidden is None else ~np.asarray(content.hidden)
         triangles = positions[keep].reshape(-1, 3)
-        tints = np.repeat(np.asarray(colors)[keep], 3, 0)
+        tints = np.repeat(np.asarray(content.colors)[keep], 3, 0)
         edges = triangles.reshape(-1, 3, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 3)
         every = np.concatenate([positions.reshape(-1, 3), boxes, axes, bulb])
-        near, far = camera.depth_range(every.min(0), every.max(0))
+        near, far = content.camera.depth_range(every.min(0), every.max(0))
         self._reserve(size)
-        self._program["clip_from_world"].write(camera.clip_from_world(size, near, far).T.astype("f4").tobytes())
+        self._program["clip_from_world"].write(content.camera.clip_from_world(size, near, far).T.astype("f4").tobytes())
         self._target.use()
         self._target.clear(*PAPER, 1.0)
         self.boxes = len(nodes)
@@ -161,17 +163,7 @@ class TreePicture:
             thing.release()
 
 
-def draw_tree(
-    ctx: moderngl.Context,
-    tree: dict[str, np.ndarray],
-    positions: np.ndarray,
-    colors: np.ndarray,
-    camera: Camera,
-    size: tuple[int, int],
-    lamp: tuple[float, float, float] | None = None,
-    level: int | None = None,
-    hidden: np.ndarray | None = None,
-) -> np.ndarray:
+def draw_tree(ctx, content: TreeContent, size: tuple[int, int], level: int | None = None) -> np.ndarray:
     """Draw a structure and the triangles that it holds, once; parameters and errors as for TreePicture.steps.
 
     Returns float32 [H, W, 3], linear, top row first.
@@ -180,16 +172,7 @@ def draw_tree(
     drawn = (size[0] * k, size[1] * k)
     picture = TreePicture(ctx)
     try:
-        picture.draw(
-            tree=tree,
-            positions=positions,
-            colors=colors,
-            camera=camera,
-            size=drawn,
-            lamp=lamp,
-            level=level,
-            hidden=hidden,
-        )
+        picture.draw(content, drawn, level)
         pixels = np.frombuffer(picture.texture.read(), np.float32).reshape(drawn[1], drawn[0], 4)[::-1, :, :3]
         return pixels.reshape(size[1], k, size[0], k, 3).mean((1, 3)).astype(np.float32)
     finally:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import time
 from collections.abc import Callable, Iterator
 
@@ -11,7 +12,7 @@ from OpenGL import GL
 
 from ..camera import Camera
 from ..curtain.show import CurtainShow, hides
-from ..curtain.tree_view import TreePicture
+from ..curtain.tree_view import TreeContent, TreePicture
 from . import orbit
 from .host import Host, context_hints
 from .refine import Side
@@ -46,7 +47,7 @@ class TreeWindow:
         self.boxes = 0
         self.frame = -1
         self._camera: Camera | None = None  # None: the curtain's
-        self._content: dict | None = None
+        self._content: TreeContent | None = None
         self._name = ""
         self._picture = TreePicture(host.ctx)
         self._screen = Screen(host.ctx)
@@ -95,15 +96,15 @@ class TreeWindow:
             self._content = None
             self._title("brute force has no tree: choose kdtree or lbvh")
             return
-        self._content = curtain.tree_arguments(curtain.scene.view)
+        self._content = curtain.tree_content(curtain.scene.view)
         self._name, self.frame = accelerator, curtain.frame
-        self.deepest = int(self._content["tree"]["depth"].max())
+        self.deepest = int(self._content.tree["depth"].max())
         self._stale = True
 
     def look_as(self, camera: Camera) -> None:
         """The curtain's eye has moved."""
-        if self._content is not None and self._camera is None and self._content["camera"] != camera:
-            self._content["camera"] = camera
+        if self._content is not None and self._camera is None and self._content.camera != camera:
+            self._content = dataclasses.replace(self._content, camera=camera)
             self._stale = True
 
     def show_level(self, level: int | None) -> None:
@@ -137,14 +138,13 @@ class TreeWindow:
             raise
 
     def _draw(self) -> Iterator[None]:
-        content = dict(self._content)
-        content["camera"] = self._eye()
-        content["hidden"] = hides(content["positions"], content["camera"])
+        camera = self._eye()
+        content = dataclasses.replace(self._content, camera=camera, hidden=hides(self._content.positions, camera))
         level = None if self.level is None else min(self.level, self.deepest)
         size = glfw.get_framebuffer_size(self.window)
         if min(size) < 1:
             return
-        yield from self._picture.steps(size=size, level=level, **content)
+        yield from self._picture.steps(content, size, level)
         self.boxes = self._picture.boxes
         what = "leaves" if level is None else f"level {level} of {self.deepest}"
         self._title(f"{self._name}, frame {self.frame}: {what}, {self.boxes} boxes")
@@ -182,7 +182,7 @@ class TreeWindow:
     # -- mouse and keys ----------------------------------------------------------------------------------------------
 
     def _eye(self) -> Camera:
-        return self._camera or self._content["camera"]
+        return self._camera or self._content.camera
 
     def _again(self, draw: bool = True) -> None:
         self._stale |= draw
