@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -32,7 +33,9 @@ def check_writable(path: str | Path) -> Path:
     if path.is_dir():
         raise InputError(f"{path}: is a folder, expected a file name; give a name such as {path / 'picture.png'}")
     if not path.parent.is_dir():
-        raise InputError(f"{path}: folder {path.parent} does not exist; make it first: mkdir -p {path.parent}")
+        raise InputError(
+            f"{path}: folder {path.parent} does not exist; make it first: mkdir -p {shlex.quote(str(path.parent))}"
+        )
     if path.exists() and not os.access(path, os.W_OK):
         raise InputError(f"{path}: cannot be written, permission denied; choose another output path")
     try:

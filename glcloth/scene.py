@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import shlex
 import tomllib
 from pathlib import Path
 from typing import Annotated, Literal
@@ -172,7 +173,8 @@ def load_scene(name_or_path: str | Path) -> Scene:
         data = read_settings(path)
         if not data or "scene" not in data:
             raise InputError(
-                f"{path}: holds no glcloth scene; give a picture that glcloth rendered, or a scene file (.toml)"
+                f"{path}: holds no glcloth scene; give a picture that glcloth rendered, or a scene file (.toml); "
+                "for a map use --env"
             )
         return parse_scene(data["scene"], text)
     if path.suffix != ".toml":
@@ -197,6 +199,8 @@ def load_scene(name_or_path: str | Path) -> Scene:
         raise InputError(f"{path}: cannot be read as a text file ({error}); expected a scene file (.toml)") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{path}: not TOML: {error}") from None
+    if "yarn" in data:
+        raise InputError(f"{path}: a fabric and not a scene; use --fabric {shlex.quote(text)}")
     return parse_scene(data, text)
 
 

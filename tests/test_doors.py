@@ -194,6 +194,15 @@ def test_wrong_commands(capsys):
     assert "nothere" in fails(capsys, "render", "nothere", "-o", "a.png")
 
 
+def test_what_is_no_scene_names_its_option(tmp_path, capsys):
+    for name, option in (("linen.toml", "--fabric"), ("map.exr", "--env"), ("ball.obj", "--mesh")):
+        if name == "map.exr":
+            write_image(tmp_path / name, np.ones((4, 8, 3), "f4"))
+        else:
+            (tmp_path / name).write_text((ROOT / "glcloth/fabrics/linen.toml").read_text())
+        assert option in fails(capsys, "render", tmp_path / name, "-o", tmp_path / "a.png")
+
+
 @pytest.mark.parametrize("name", ["a.exr", "a.hdr", "a.png"])
 def test_damaged_pictures(tmp_path, capsys, name):
     path = tmp_path / name
