@@ -19,12 +19,13 @@ from .cloth.adaptive import AdaptiveRate
 from .cloth.around import Around
 from .cloth.brute import Reference
 from .cloth.direct import Direct
+from .cloth.gather import Gather
 from .cloth.paper import Paper
 from .cloth.probes import lift_off_facets, subdivided
 from .cloth.scene_buffers import SceneBuffers
 from .cloth.settings import MethodName, Quality, Settings
 from .cloth.settings import Shadows as ShadowMode
-from .cloth.shadows import SEEN_ALL, Shadows, is_next_pose
+from .cloth.shadows import SEEN_ALL, Beside, Shadows, is_next_pose
 from .context import create_context
 from .environment import Environment, load_environment, rotation_y
 from .errors import InputError
@@ -101,6 +102,7 @@ class Renderer:
         self._finer: tuple[Mesh, Mesh] | None = None  # a mesh, and what it is drawn as with shadows
         self._occluders: tuple | None = None  # mesh, objects' mesh, ground's height, triangles, structure
         self._around: Around | None = None
+        self._gather: Gather | None = None
         self._solids: dict[str, tuple] = {}  # of each name: when its file changed, mesh and reflectances
         self._objects: tuple | None = None  # what they were made of, Objects
         self._follow = False
@@ -308,7 +310,7 @@ class Renderer:
                 count = scene.size[1] if rows is None else max(1, min(rows(), scene.size[1] - first))
                 self.shared.bind(program)
                 if shadows is not None:
-                    shadows.bind(program, frame.fabric, self.shared)
+                    self._bind_shadows(shadows, program, frame, buffer)
                 method.bind(program)
                 shader.set_uniforms(
                     program, pass_weight=1.0 / scene.spp, pass_cover=1.0 / (scene.spp * len(passes)), **uniforms
@@ -351,11 +353,18 @@ class Renderer:
             self._shadows = Shadows(self.ctx)
         around = self._take_around(frame)
         structure = self.occluders(frame.mesh, around)
-        others = () if around is None else (around.mesh,)
+        beside = None if around is None else self._beside(frame, around, around.mesh)
         drawn = self.drawn_mesh(frame)
-        ground = frame.objects is not None and frame.objects.ground is not None
-        self._shadows.prepare(mode, drawn, frame.mesh, structure, frame.lights, frame.scene.bounce, others, ground)
+        self._shadows.prepare(mode, drawn, frame.mesh, structure, frame.lights, frame.scene.bounce, beside)
         return self._shadows
+
+    def _beside(self, frame: Frame, around: Around, mesh: Mesh) -> Beside:
+        """What hides light beside the cloth of a frame (`mesh` is that of what stands about it), or the other way round."""
+        if self._gather is None:
+            self._gather = Gather(self.ctx)
+        structure = self.occluders(frame.mesh, around)
+        self._gather.places.prepare(self.drawn_mesh(frame), frame.mesh, around, structure.triangles)
+        return Beside((mesh,), frame.objects.ground is not None, self._gather.places)
 
     def _take_around(self, frame: Frame) -> Around | None:
         """What stands about the cloth of a frame, on the GPU; None where nothing does."""
@@ -372,8 +381,10 @@ class Renderer:
         around = self._take_around(frame)
         if around is not None:
             mode = self._shadow_mode(frame)
-            structure = self.occluders(frame.mesh, around) if mode != "off" else None
-            around.look_out(mode, structure, frame.lights, frame.scene.bounce, frame.mesh)
+            structure = beside = None
+            if mode != "off":
+                structure, beside = self.occluders(frame.mesh, around), self._beside(frame, around, frame.mesh)
+            around.look_out(mode, structure, frame.lights, frame.scene.bounce, beside)
         return around
 
     def follow_poses(self, follow: bool = True) -> None:
@@ -427,6 +438,7 @@ class Renderer:
         if shadows is None:
             return
         lookouts = [(shadows, buffer, method)]
+        bounces = around is not None and self._bounces(frame)
         if around is not None:
             lookouts.append((around.shadows, around.beside(buffer), None))
         for one, target, means in lookouts:
@@ -444,6 +456,25 @@ class Renderer:
                 for _ in one.edges(target, sample, *([SLICE] if in_bands else [])):
                     if in_bands:
                         yield
+        if bounces:
+            albedo = shadows.albedo(frame.fabric, self.shared)
+            structure = self.occluders(frame.mesh, around)
+            self._gather.gather(shadows, around, structure, frame.lights, self.shared, albedo)
+            for one, target, _ in lookouts:
+                self._gather.fill(one, target)
+            if in_bands:
+                self.ctx.finish()
+                yield
+
+    def _bounces(self, frame: Frame) -> bool:
+        """Whether light goes between cloth and what stands about it."""
+        return frame.objects is not None and self._shadow_mode(frame) == "full" and frame.scene.bounce
+
+    def _bind_shadows(self, shadows: Shadows, program, frame: Frame, buffer: GBuffer) -> None:
+        """Bind what the pixels of the cloth see, and what comes back to them."""
+        shadows.bind(program, frame.fabric, self.shared)
+        if self._bounces(frame):
+            self._gather.bind(buffer)
 
     def _shade_around(
         self, buffer: GBuffer, around: Around, method, frame: Frame, passes: list[dict], number: int = 0, band=None
@@ -457,6 +488,10 @@ class Renderer:
             return  # the first pass did it all
         else:
             program, cover = around.lit_by_means(frame.lights, self.shared), weight
+            bounces = self._bounces(frame)
+            shader.set_uniforms(program, bounces=bounces)
+            if bounces:
+                self._gather.bind(around.beside(buffer))
         around.run(buffer, program, weight, cover, band)
 
     def _shade_adaptively(
@@ -480,7 +515,7 @@ class Renderer:
         def bind(one) -> None:
             self.shared.bind(one)
             if shadows is not None:
-                shadows.bind(one, frame.fabric, self.shared)
+                self._bind_shadows(shadows, one, frame, buffer)
             method.bind(one)
 
         for one in (program, list_program):

@@ -17,14 +17,14 @@ from ..raster import Among, GBuffer, MeshBuffers
 from ..reference.lambert import gaussian_irradiance
 from .probes import subdivided
 from .settings import Shadows as Mode
-from .shadows import Shadows
+from .shadows import Beside, Shadows
 from .visibility import COSINE
 
 STEPS = 256  # of the table of irradiance over the cosine from -1 to 1: linear between them it errs by 1e-4 of a light's flux
 NEAREST = 0.3  # of the eye's height above the ground: nothing of the ground is nearer to the eye
 EDGE_OFFSET = 0.05  # of a mesh's mean edge: how far rays that light a vertex start from it,
 GROUND_OFFSET = 2e-4  # of its scale: from the ground, where nothing is curved
-TABLE_UNIT, REFLECTANCE_UNIT, CLOTH_UNIT = 9, 14, 5
+TABLE_UNIT, REFLECTANCE_UNIT, CLOTH_UNIT = 12, 14, 5
 
 
 class Around:
@@ -44,7 +44,7 @@ class Around:
         self.solid_vertices = 0
         self._reflectances = TextureBuffer(ctx, 16)
         self._table = TextureBuffer(ctx, 16, "r32f")
-        self._table_of: Lights | None = None
+        self._table_of: np.ndarray | None = None
         self._programs: dict[tuple, object] = {}
         self._targets: dict[GBuffer, tuple[GBuffer, moderngl.Framebuffer]] = {}
 
@@ -76,6 +76,14 @@ class Around:
         rows = np.zeros((len(self.mesh.triangles) + 1, 4), "f4")
         rows[:, :3] = np.concatenate([*parts, np.tile(color, (len(rows) - self.solid, 1))])
         return rows
+
+    def vertex_reflectances(self) -> np.ndarray:
+        """Of every vertex [V, 4] float32: the mean of the triangles about it."""
+        corners, colors = self.mesh.triangles, self.reflectances()[: len(self.mesh.triangles)]
+        rows = np.zeros((len(self.mesh.positions), 4))
+        for k in range(3):
+            np.add.at(rows, corners[:, k], colors + np.float32([0, 0, 0, 1]))
+        return (rows / np.maximum(rows[:, 3:], 1.0)).astype("f4")
 
     @property
     def triangles(self) -> np.ndarray:
@@ -130,33 +138,34 @@ class Around:
 
     # -- light -------------------------------------------------------------------------------------------------------
 
-    def look_out(self, mode: Mode, structure, lights: Lights, bounce: bool, cloth: Mesh) -> None:
+    def look_out(self, mode: Mode, structure, lights: Lights, bounce: bool, beside: Beside) -> None:
         """Choose what hides what, as `Shadows.prepare`; nothing is traced yet."""
-        self.shadows.prepare(mode, self.mesh, self.mesh, structure, lights, bounce, (cloth,))
+        self.shadows.prepare(mode, self.mesh, self.mesh, structure, lights, bounce, beside)
         self._mode = mode
 
     def lit_by_means(self, lights: Lights, shared):
         """The program that shades by Gaussians and suns, each as far as `look` found it seen, ready to `run`; `shared` has
         the lights."""
-        if self._table_of is not lights:
-            cos = np.linspace(-1.0, 1.0, STEPS + 1)
-            table = gaussian_irradiance(lights.gaussians.sharpness[:, None], cos)
-            self._table.write(table.astype("f4"))
-            self._table_of = lights
         program = self.program("passes/lit_means.glsl")
         shared.bind(program)
-        self._table.bind(TABLE_UNIT)
+        self.bind_table(lights)
         if self._mode != "off":
             self.shadows.bind_seen(program)
         shader.set_uniforms(program, everything=self._mode == "off")
         return program
 
-    def bind(self, program, first: int = 0) -> None:
-        """Bind the reflectances, and say where the ground's vertices are when those of the objects begin with `first`."""
+    def bind_table(self, lights: Lights) -> None:
+        """Bind what passes/irradiance_table.glsl reads, made when the lights' widths change."""
+        if self._table_of is None or not np.array_equal(self._table_of, lights.gaussians.sharpness):
+            cos = np.linspace(-1.0, 1.0, STEPS + 1)
+            self._table.write(gaussian_irradiance(lights.gaussians.sharpness[:, None], cos).astype("f4"))
+            self._table_of = lights.gaussians.sharpness
+        self._table.bind(TABLE_UNIT)
+
+    def bind(self, program) -> None:
+        """Bind the reflectances of the triangles."""
         self._reflectances.bind(REFLECTANCE_UNIT)
-        shader.set_uniforms(
-            program, first_of_ground=self.solid, **ground_uniforms(self.objects, first + self.solid_vertices)
-        )
+        shader.set_uniforms(program, first_of_ground=self.solid)
 
     def run(self, buffer: GBuffer, program, weight: float, cover: float, rows: tuple[int, int] | None = None) -> None:
         """Add what a program of passes/lambert.frag makes of the pixels that see the objects to the cloth's picture.

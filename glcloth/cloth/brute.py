@@ -9,10 +9,10 @@ from functools import partial
 import numpy as np
 
 from .. import shader
-from ..accel.triangles import turned
 from ..environment import cube_map, cube_map_of_gaussians
 from ..gpu import TextureBuffer
 from .albedo import diffuse_albedo
+from .places import Places
 from .settings import Settings
 
 # Directions per pass: far below llvmpipe's 65,535 loop iterations per invocation even with 32 tangents, and short
@@ -23,7 +23,6 @@ DIRECTION_UNIT = 8
 TRACED_UNITS = {"directions": 10, "irradiance": 11, "corners": 12, "vertices": 13}
 LIT_CHUNK = 2  # directions that light the vertices at a time: a caller in between waits for no more
 BOUNCE_CUBE = 16  # edge of the cube map that lights the vertices for a bounce: irradiance is smooth
-BOUNCE_OFFSET = 0.05  # of the mean edge: how far from a vertex its rays start
 
 
 class Reference:
@@ -45,8 +44,8 @@ class Reference:
         self._mesh = self._structure = self._irradiance = self._lit = None
         self._vertex_lights: TextureBuffer | None = None
         self._irradiance_programs: dict = {}
-        self._around = self._gathered = None
-        self._places: tuple[TextureBuffer, TextureBuffer] | None = None  # corners and vertices of all that is met
+        self._around = None
+        self._places = Places(ctx)
         self._albedo: tuple | None = None  # of which fabric, its diffuse albedo
         self._radiance_per_irradiance = (0.0, 0.0, 0.0)
 
@@ -140,7 +139,7 @@ class Reference:
         Returns what is to be called, in this order, before the draw: the dispatches that light the vertices for a bounce.
         """
         self._mesh, self._structure, self._around = mesh, structure, around
-        self._gather_places()
+        self._places.prepare(mesh.mesh, mesh.mesh, around, structure.triangles)
         key = self._light_key, mesh, around and around.mesh
         if not self.bounces or self._lit == key:
             return []
@@ -151,34 +150,13 @@ class Reference:
         light = self._directions(lights, self._settings, min(self._settings.cube, BOUNCE_CUBE))
         bright = light[1].any(axis=1)
         count = self._upload(self._vertex_lights, *(column[bright] for column in light))
-        self._irradiance.write(np.zeros((self._vertices, 2, 4), "f4"))
-        self._edge = _mean_edge(mesh.mesh)
+        self._irradiance.write(np.zeros((self._places.vertex_count, 2, 4), "f4"))
         jobs = [partial(self._light_vertices, first, count) for first in range(0, count, LIT_CHUNK)]
 
         def finished() -> None:
             self._lit = key
 
         return [*jobs, finished]
-
-    def _gather_places(self) -> None:
-        """Upload the corners of all triangles, in the order in which hits are weighted, and all vertices."""
-        mesh, around, triangles = self._mesh.mesh, self._around, self._structure.triangles
-        if self._gathered == (mesh, around and around.mesh, triangles):
-            return
-        corners, vertices = mesh.triangles, _vertex_rows(mesh)
-        if around is not None:
-            solid = around.mesh.triangles[: around.solid]
-            corners = np.concatenate([corners, solid + len(mesh.positions)])
-            more = _vertex_rows(around.mesh)
-            # Beyond the cloth's offset, which all rays start with.
-            more[:, :2, 3] = around.offsets[:, None] - BOUNCE_OFFSET * _mean_edge(mesh)
-            vertices = np.concatenate([vertices, more])
-        if self._places is None:
-            self._places = TextureBuffer(self.ctx, 4, "r32i"), TextureBuffer(self.ctx, 16)
-        self._places[0].write(turned(corners, triangles.turn[: len(corners)]).astype("i4"))
-        self._places[1].write(vertices)
-        self._vertices = len(vertices)
-        self._gathered = mesh, around and around.mesh, triangles
 
     def _light_vertices(self, first: int, count: int) -> None:
         """Add the irradiance on both sides of every vertex from some of the directions, a ray for each."""
@@ -191,16 +169,16 @@ class Reference:
         program = self._irradiance_programs[source]
         self._structure.bind(program)
         self._vertex_lights.bind(TRACED_UNITS["directions"])
-        self._places[1].bind(TRACED_UNITS["vertices"])
+        self._places.bind(program, TRACED_UNITS["corners"], TRACED_UNITS["vertices"])
         self._irradiance.buffer.bind_to_storage_buffer(0)
         shader.set_uniforms(
             program,
-            vertex_count=self._vertices,
+            vertex_count=self._places.vertex_count,
             first_direction=first,
             direction_count=min(LIT_CHUNK, count - first),
-            offset=BOUNCE_OFFSET * self._edge,
+            offset=self._places.offset,
         )
-        program.run(-(-self._vertices // 64))
+        program.run(-(-self._places.vertex_count // 64))
         self.ctx.memory_barrier()
         self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
 
@@ -214,16 +192,15 @@ class Reference:
         self._structure.bind(program)
         self._data.bind(TRACED_UNITS["directions"])
         (self._irradiance if self.bounces else self._data).bind(TRACED_UNITS["irradiance"])
-        self._places[0].bind(TRACED_UNITS["corners"])
-        self._places[1].bind(TRACED_UNITS["vertices"])
+        self._places.bind(program, TRACED_UNITS["corners"], TRACED_UNITS["vertices"])
         shader.set_uniforms(
             program,
-            cloth_triangles=len(self._mesh.mesh.triangles),
+            cloth_triangles=self._places.cloth_triangles,
             radiance_per_irradiance=self._radiance_per_irradiance,
             bounces=self.bounces,
         )
         if self._around is not None:
-            self._around.bind(program, len(self._mesh.mesh.positions))
+            self._around.bind(program)
 
     def lit(self, around):
         """The program of passes/lambert.frag that lights what stands about the cloth by the same sum, bound."""
@@ -243,15 +220,3 @@ class Reference:
     def evaluations_per_pixel(self) -> int:
         """Directions times tangents."""
         return self._count * self._tangents
-
-
-def _vertex_rows(mesh) -> np.ndarray:
-    """Positions, normals and tangents [V, 3, 4] float32, with no lift."""
-    rows = np.zeros((len(mesh.positions), 3, 4), "f4")
-    rows[:, 0, :3], rows[:, 1, :3], rows[:, 2] = mesh.positions, mesh.normals, mesh.tangents
-    return rows
-
-
-def _mean_edge(mesh) -> float:
-    corners = mesh.positions[mesh.triangles].astype(float)
-    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())

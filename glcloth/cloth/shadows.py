@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
@@ -21,7 +22,7 @@ from .visibility import FEWEST, FLAT, NARROW, VertexVisibility, broad_number, su
 
 SEEN_UNIT = 2
 SEEN_ALL, SEEN_PIXELS = "passes/seen_all.glsl", "passes/seen_pixels.glsl"
-SEEN_OVER_GROUND = "passes/seen_over_ground.glsl"
+SEEN_AROUND = "passes/seen_around.glsl"
 TILE = 8
 FURNACE_VIEWS, FURNACE_LIGHTS = 64, 256
 MOVING_CLASSES = 8  # of probes on cloth that moves: each traces a quarter of its 32 directions at every pose
@@ -30,6 +31,22 @@ FEWEST_EDGE_RAYS = 4  # and of each
 FEWEST_TILES = 32  # of 8 x 8 pixels, at a time
 PATIENCE = 0.1  # seconds of rays from pixels between two looks at Ctrl-C
 CUT = 2.0  # mean edges by which the vertices may move in the mean from pose to pose
+
+
+@dataclass(frozen=True, eq=False)
+class Beside:
+    """What hides light beside a mesh.
+
+    Parameters
+    ----------
+    meshes : the others, but for a ground
+    ground : whether there is one
+    places : in which all that rays meet is numbered
+    """
+
+    meshes: tuple[Mesh, ...]
+    ground: bool
+    places: object
 
 
 class Shadows:
@@ -43,6 +60,7 @@ class Shadows:
         self._sun_data = TextureBuffer(ctx, 16)
         self._meshes: tuple[Mesh, ...] = ()  # that was looked out from, and the others that hide light
         self.follow = self.over_ground = False
+        self._beside: Beside | None = None
         self._structure = self._lights = None
         self._mode: Mode = "off"
         self._edge_data = TextureBuffer(ctx, 16)
@@ -66,14 +84,16 @@ class Shadows:
         structure,
         lights: Lights,
         bounce: bool = True,
-        others: tuple[Mesh, ...] = (),
-        over_ground: bool = False,
+        beside: Beside | None = None,
     ) -> None:
         """Choose what hides what. `mesh` is the one that is drawn, `original` what it was subdivided from, `structure`
-        what hides light: the mesh and `others`, and a ground or not."""
+        what hides light: the mesh and what is `beside` it."""
         self._mode, self._structure, self._lights, self._bounce = mode, structure, lights, bounce
-        self._others, self.over_ground = others, over_ground
-        meshes = mesh, *others
+        self._others = () if beside is None else beside.meshes
+        self._beside = beside
+        self.over_ground = beside is not None and beside.ground
+        self.vertices.places = None if beside is None else beside.places
+        meshes = mesh, *self._others
         if mode == "full" and not _same(self._meshes, meshes):
             if self.follow and is_next_pose(self._meshes, meshes):
                 self.vertices.move(mesh, structure)
@@ -211,12 +231,12 @@ class Shadows:
     @property
     def source(self) -> str:
         """What "seen.glsl" means to a program that asks for these shadows."""
-        return SEEN_OVER_GROUND if self.over_ground and self._mode == "full" else SEEN_PIXELS
+        return SEEN_PIXELS if self._beside is None or self._mode != "full" else SEEN_AROUND
 
     def bind_seen(self, program) -> None:
         """Bind the values of the G-buffer that was looked at last, for a program with `sampler2DArray seen`."""
         self._seen.use(SEEN_UNIT)
-        shader.set_uniforms(program, **self._numbers)
+        shader.set_uniforms(program, over_ground=self.over_ground, **self._numbers)
 
     def bind(self, program, fabric: Fabric, shared: SceneBuffers) -> None:
         """Bind what passes/seen_pixels.glsl reads of the G-buffer that was looked at last."""

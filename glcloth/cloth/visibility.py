@@ -58,6 +58,8 @@ class VertexVisibility:
         self._sums = TextureBuffer(ctx, 16, "rgba32ui")
         self.means = TextureBuffer(ctx, 4, "r32ui")
         self._direction_data = TextureBuffer(ctx, 16 * DIRECTIONS)
+        self.places = None  # cloth.places.Places: what rays meet is remembered, if it is set
+        self._hits = TextureBuffer(ctx, 4, "r32ui")
         # As float32, so that the twin and the table see what the rays follow.
         self.directions = world_directions(DIRECTIONS).astype("f4").astype(float)
         self._structure = self._lights = self._sharp = self._state = None
@@ -80,6 +82,8 @@ class VertexVisibility:
         self._upload_probes(self._offset_between_layers())
         count = len(probes.points)
         self._bits.write(np.zeros((self.share // WORD, count), "u4"))
+        if self.places is not None:
+            self._hits.reserve(4 * self.share * count)
         self._write_directions([])
         spread = probes.spread
         self._row_data.write(np.stack([spread.indptr[:-1], spread.indptr[1:]], 1).astype("u4"))
@@ -149,8 +153,12 @@ class VertexVisibility:
 
     def _trace(self, first: int, last: int) -> None:
         """Trace directions number first to last - 1 of every class, all in one word of bits."""
-        program = self._program("trace", {"accel.glsl": self._structure.source})
+        remembered = self.places is not None and last <= self.share
+        program = self._program("hits" if remembered else "trace", {"accel.glsl": self._structure.source})
         self._structure.bind(program)
+        if remembered:
+            self.places.bind(program, 10, 13)
+            self._hits.buffer.bind_to_storage_buffer(1)
         self._probe_data.bind(11)
         self._direction_data.bind(12)
         self._bits.buffer.bind_to_storage_buffer(0)
@@ -210,7 +218,7 @@ class VertexVisibility:
 
         `broad`: how much [K] of each Gaussian a method sums with others before it knows V. That light's visibility
         follows V_K as nine means over parts of the surface frame (`reference.visibility.from_bands`); None: not at all.
-        `above`: that is of the light from above the horizon alone (passes/seen_over_ground.glsl).
+        `above`: that is of the light from above the horizon alone (passes/seen_around.glsl).
         """
         sharp = self._sharp is lights
         state = self.done, sharp, None if broad is None else broad.tobytes(), above
@@ -252,6 +260,43 @@ class VertexVisibility:
         self.ctx.memory_barrier()
         self._lights, self._state = lights, state
         self.version += 1
+
+    def gather(self, program_of, radiance: TextureBuffer, sums: TextureBuffer, means: TextureBuffer) -> None:
+        """Gather what the fixed directions met into `means`: the mean radiance that comes back to each vertex, front and
+        back.
+
+        Parameters
+        ----------
+        program_of : makes the program of a pass
+        radiance : of all vertices in the numbering of `places`
+        sums : for what is between
+        """
+        first = self.probes.first
+        padded = np.append(first, np.repeat(first[-1:], MOST_CLASSES + 1 - len(first)))
+        V = self.probes.spread.shape[0]
+        sums.reserve(32 * int(first[-1]))
+        means.reserve(32 * V)
+        program = program_of("bounce_gather")
+        for unit, buffer in enumerate((self._hits, radiance, self._probe_data, self._direction_data), 9):
+            buffer.bind(unit)
+        sums.buffer.bind_to_storage_buffer(0)
+        shader.set_uniforms(
+            program,
+            first_probe=[int(n) for n in padded],
+            probe_count=int(first[-1]),
+            class_stride=len(self._traced[0]),
+            direction_count=self.done,
+            steepness=self.steepness,
+        )
+        program.run(-(-int(np.diff(first).max()) // 64), self.classes)
+        self.ctx.memory_barrier()
+        program = program_of("bounce_spread")
+        for unit, buffer in enumerate((sums, self._row_data, self._spread_data), 9):
+            buffer.bind(unit)
+        means.buffer.bind_to_storage_buffer(0)
+        shader.set_uniforms(program, vertex_count=V)
+        program.run(-(-V // 64))
+        self.ctx.memory_barrier()
 
     def _sum_broad(self, lights: Lights, broad: np.ndarray, first_broad: int, above: bool) -> float:
         """Sum what the probes see of the broad light; returns how much of it there is, over the traced directions."""
@@ -344,6 +389,7 @@ class VertexVisibility:
             self._ranges,
             self._least,
             self._direction_data,
+            self._hits,
         )
         for thing in (*buffers, self._sums, self.means, self._queries, *self._programs.values()):
             thing.release()

@@ -1,0 +1,113 @@
+"""One bounce between cloth and what stands about it: what the rays of the vertices met, times what that sends back.   [own]
+
+Without anything about the cloth the bounce is that of passes/seen_pixels.glsl, which needs none of this.
+"""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from .. import shader
+from ..gpu import TextureBuffer
+from ..lights import Lights
+from ..raster import GBuffer
+from .around import Around
+from .places import Places
+from .shadows import TILE, Shadows
+
+BOUNCED_UNIT = 15
+REFLECTANCE_UNIT = 14
+VERTICES_UNIT = 13
+
+
+class Gather:
+    """Radiance that comes back to cloth and objects: `gather` for their vertices, `fill` for the pixels of a G-buffer."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self.places = Places(ctx)
+        self._radiance = TextureBuffer(ctx, 16)
+        self._sums = TextureBuffer(ctx, 16)
+        self._reflectances = TextureBuffer(ctx, 16)
+        self._means: dict[Shadows, TextureBuffer] = {}
+        self._programs: dict[tuple, object] = {}
+        self._pictures: dict[GBuffer, list] = {}  # texture, what it holds
+        self._state: tuple | None = None
+        self.version = 0
+
+    def gather(self, cloth: Shadows, around: Around, structure, lights: Lights, shared, albedo: np.ndarray) -> None:
+        """Find what comes back to the vertices of both under the present lights; nothing when it is known.
+
+        Parameters
+        ----------
+        cloth : whose vertices' means are made under these lights, as are those of `around`
+        shared : SceneBuffers with the lights
+        albedo : [3] of the cloth
+        """
+        versions = cloth.vertices.version, around.shadows.vertices.version
+        state = cloth, around, around.objects, versions, albedo.tobytes(), structure
+        if self._state == state:
+            return
+        places = self.places
+        self._radiance.reserve(32 * places.vertex_count)
+        program = self._program("bounce_radiance", {"accel.glsl": structure.source})
+        structure.bind(program)
+        shared.bind(program)
+        around.bind_table(lights)
+        places.bind(program, 10, VERTICES_UNIT)
+        self._reflectances.write(around.vertex_reflectances())
+        self._reflectances.bind(REFLECTANCE_UNIT)
+        self._radiance.buffer.bind_to_storage_buffer(0)
+        first = places.cloth_vertices
+        for one, begin, count in ((cloth, 0, first), (around.shadows, first, places.vertex_count - first)):
+            one.vertices.means.bind(10)
+            shader.set_uniforms(
+                program,
+                first_item=begin,
+                vertex_count=count,
+                group_count=one.vertices.groups,
+                offset=places.offset,
+                own_reflectance=one is not cloth,
+                reflectance=tuple(map(float, albedo)),
+            )
+            program.run(-(-count // 64))
+        self.ctx.memory_barrier()
+        self._means = {one: self._means.get(one) or TextureBuffer(self.ctx, 16) for one in (cloth, around.shadows)}
+        for one, means in self._means.items():
+            one.vertices.gather(self._program, self._radiance, self._sums, means)
+        self._state = state
+        self.version += 1
+
+    def fill(self, shadows: Shadows, buffer: GBuffer) -> None:
+        """Bring it to the pixels of a G-buffer as it is drawn now."""
+        for key in [key for key in self._pictures if key.released]:
+            self._pictures.pop(key)[0].release()
+        if buffer not in self._pictures:
+            texture = self.ctx.texture(buffer.size, 4, dtype="f2")
+            texture.filter = moderngl.NEAREST, moderngl.NEAREST
+            self._pictures[buffer] = [texture, None]
+        texture, holds = self._pictures[buffer]
+        state = buffer.drawn, self.version
+        if holds == state:
+            return
+        program = self._program("bounce_pixels")
+        buffer.bind(program)
+        buffer.bind_points(program)
+        self._means[shadows].bind(9)
+        buffer.drawn[0].indices.bind(10)
+        texture.bind_to_image(0, read=False, write=True)
+        program.run(-(-buffer.size[0] // TILE), -(-buffer.size[1] // TILE))
+        self.ctx.memory_barrier()
+        self._pictures[buffer][1] = state
+
+    def bind(self, buffer: GBuffer) -> None:
+        """Bind what a G-buffer's pixels get back, for a program with `sampler2D bounced_light`."""
+        self._pictures[buffer][0].use(BOUNCED_UNIT)
+
+    def _program(self, name: str, virtual: dict | None = None):
+        key = name, *(virtual or {}).values()
+        if key not in self._programs:
+            virtual = {"count.glsl": "passes/count_none.glsl", **(virtual or {})}
+            self._programs[key] = shader.compute(self.ctx, f"passes/{name}.comp", None, virtual)
+        return self._programs[key]

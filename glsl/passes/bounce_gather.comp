@@ -1,0 +1,33 @@
+#version 430
+// What the probes get back from what their rays met, summed; and the weights of all their directions.   [own]
+// No rays: this runs whenever the lights change.
+layout(local_size_x = 64) in;                            // and a row of groups for each class
+layout(binding = 9) uniform usamplerBuffer hit_data;      // passes/visibility_hits.comp
+layout(binding = 10) uniform samplerBuffer radiance_data; // passes/bounce_radiance.comp
+layout(binding = 11) uniform samplerBuffer probe_data;
+layout(binding = 12) uniform samplerBuffer direction_data;
+layout(std430, binding = 0) writeonly buffer Sums { vec4 sums[]; };  // of a probe front and back: radiance, weight
+uniform int first_probe[9];  // of each class, and the one after the last
+uniform int probe_count;
+uniform int class_stride;    // directions of each class in direction_data,
+uniform int direction_count; // and how many of them are traced
+uniform float steepness;     // of the weight of directions
+
+void main() {
+    int i = first_probe[gl_WorkGroupID.y] + int(gl_GlobalInvocationID.x);
+    if (i >= first_probe[gl_WorkGroupID.y + 1u]) return;
+    vec3 N = steepness * texelFetch(probe_data, 2 * i + 1).xyz;
+    int base = class_stride * int(gl_WorkGroupID.y);
+    vec4 front = vec4(0.0), back = front;
+    for (int d = 0; d < direction_count; ++d) {
+        float cos_theta = dot(texelFetch(direction_data, base + d).xyz, N);
+        vec2 w = clamp(vec2(cos_theta, -cos_theta), 0.0, 1.0);
+        uint hit = texelFetch(hit_data, d * probe_count + i).x;
+        vec3 L = vec3(0.0);
+        if (hit != 0xffffffffu) L = texelFetch(radiance_data, int(hit)).rgb;
+        front += w.x * vec4(L, 1.0);
+        back += w.y * vec4(L, 1.0);
+    }
+    sums[2 * i] = front;
+    sums[2 * i + 1] = back;
+}
