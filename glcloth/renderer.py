@@ -475,6 +475,7 @@ class Renderer:
         shadows.bind(program, frame.fabric, self.shared)
         if self._bounces(frame):
             self._gather.bind(buffer)
+            self._gather.bind_views(frame.fabric, self.shared)
 
     def _shade_around(
         self, buffer: GBuffer, around: Around, method, frame: Frame, passes: list[dict], number: int = 0, band=None

@@ -178,6 +178,35 @@ def test_the_ground_hides_what_shines_from_below(renderer, method):
     assert free > 0.01 and dark < 1e-3 * free
 
 
+@pytest.mark.parametrize("method", ["direct", "paper", "reference"])
+@pytest.mark.parametrize("fabric", ["linen", "silk_crepe_de_chine"])
+def test_the_ground_lights_what_hangs_over_it(renderer, method, fabric):
+    """The underside of a small sheet sees the ground alone, which the uniform sky lights: as if the sky were of the
+    ground's colour, but for the sheet's own shadow, a hundredth."""
+    below = Camera(eye=(0.1, -0.3, 0.05), target=(0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0), fov_deg=6)
+    scene = dict(mesh=sheet(4, size=0.04), lights=SKY, method=method, camera=below, size=9, cube=16, fabric=fabric)
+    scene |= dict(bounce=True)
+    lit = seen(renderer, **scene)[4, 4, :3]
+    free = seen(renderer, ground="off", shadows="off", **scene | {"method": "reference"})[4, 4, :3]
+    assert lit == pytest.approx(free * np.array(COLOR), rel=0.04)
+
+
+def test_the_cloth_lights_the_ground(renderer):
+    """Beside a lit wall of linen the ground is brighter, by as much with vertices as with a ray for everything."""
+    wall = sheet(12, size=0.4)
+    wall = build_mesh("wall", wall.positions[:, [0, 2, 1]] + [0.0, -0.05, 0.0], wall.triangles[:, ::-1], wall.uv)
+    lights = Lights(SphericalGaussians([[0.3, 0.5, 0.8]], [6.0], [[1.0, 1.0, 1.0]]))
+    view = Camera(eye=(0.0, 1.5, 3.0), target=(0.0, -0.5, 0.4), fov_deg=10)
+    scene = dict(mesh=wall, lights=lights, camera=view, size=24, cube=20)
+    without, *with_bounce = (
+        seen(renderer, method=method, bounce=bounce, **scene)[..., :3]
+        for method, bounce in (("reference", False), ("reference", True), ("direct", True))
+    )
+    gain = with_bounce[0][12, 12] / without[12, 12]
+    assert (gain > 1.02).all()
+    assert np.abs(with_bounce[1] - with_bounce[0]).mean() < 0.015 * with_bounce[0].mean()
+
+
 def test_from_below_the_ground_is_not_there(renderer):
     below = Camera(eye=(0.0, -2.0, 1e-3), target=(0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0), fov_deg=40)
     picture = seen(renderer, lights=MIXED, camera=below, size=33)

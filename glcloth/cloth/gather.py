@@ -9,14 +9,17 @@ import moderngl
 import numpy as np
 
 from .. import shader
+from ..fabric import Fabric
 from ..gpu import TextureBuffer
 from ..lights import Lights
 from ..raster import GBuffer
 from .around import Around
 from .places import Places
-from .shadows import TILE, Shadows
+from .shadows import TILE, Shadows, even_directions
 
-BOUNCED_UNIT = 15
+BOUNCED_UNIT, VIEWS_UNIT = 15, 14
+VIEWS = 24, 12  # azimuths and cosines of a viewer
+LIGHTS = 1536  # directions of the furnace
 REFLECTANCE_UNIT = 14
 VERTICES_UNIT = 13
 
@@ -34,6 +37,7 @@ class Gather:
         self._programs: dict[tuple, object] = {}
         self._pictures: dict[GBuffer, list] = {}  # texture, what it holds
         self._state: tuple | None = None
+        self._views: list | None = None  # directions of light, texture, fabric
         self.version = 0
 
     def gather(self, cloth: Shadows, around: Around, structure, lights: Lights, shared, albedo: np.ndarray) -> None:
@@ -84,7 +88,7 @@ class Gather:
         for key in [key for key in self._pictures if key.released]:
             self._pictures.pop(key)[0].release()
         if buffer not in self._pictures:
-            texture = self.ctx.texture(buffer.size, 4, dtype="f2")
+            texture = self.ctx.texture_array((*buffer.size, 2), 4, dtype="f2")
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
             self._pictures[buffer] = [texture, None]
         texture, holds = self._pictures[buffer]
@@ -102,8 +106,30 @@ class Gather:
         self._pictures[buffer][1] = state
 
     def bind(self, buffer: GBuffer) -> None:
-        """Bind what a G-buffer's pixels get back, for a program with `sampler2D bounced_light`."""
+        """Bind what a G-buffer's pixels get back, for a program with `sampler2DArray bounced_light`."""
         self._pictures[buffer][0].use(BOUNCED_UNIT)
+
+    def bind_views(self, fabric: Fabric, shared) -> None:
+        """Bind what a fabric, which `shared` holds, gives back toward each viewer of light from everywhere, and how much that
+        follows the light's direction; made when the fabric changes."""
+        if self._views is None:
+            points = np.zeros((LIGHTS, 4), "f4")
+            points[:, :3] = even_directions(LIGHTS)
+            texture = self.ctx.texture_array((*VIEWS, 2), 4, dtype="f2")
+            texture.filter = moderngl.LINEAR, moderngl.LINEAR
+            texture.repeat_x, texture.repeat_y = True, False
+            self._views = [TextureBuffer(self.ctx, points), texture, None]
+        points, texture, of = self._views
+        if of is not fabric:
+            program = self._program("furnace_views")
+            shared.bind(program)
+            points.bind(9)
+            texture.bind_to_image(0, read=False, write=True)
+            shader.set_uniforms(program, light_count=LIGHTS)
+            program.run(-(-VIEWS[0] // TILE), -(-VIEWS[1] // TILE))
+            self.ctx.memory_barrier()
+            self._views[2] = fabric
+        texture.use(VIEWS_UNIT)
 
     def _program(self, name: str, virtual: dict | None = None):
         key = name, *(virtual or {}).values()

@@ -254,7 +254,7 @@ class Shadows:
             if self._points is None:
                 data = np.zeros((FURNACE_VIEWS + FURNACE_LIGHTS, 4), "f4")
                 data[:FURNACE_VIEWS, :3] = _cosine_directions(FURNACE_VIEWS)
-                data[FURNACE_VIEWS:, :3] = _even_directions(FURNACE_LIGHTS)
+                data[FURNACE_VIEWS:, :3] = even_directions(FURNACE_LIGHTS)
                 result = self.ctx.buffer(reserve=16 * FURNACE_VIEWS)
                 self._points = TextureBuffer(self.ctx, data), result
             shared.bind(program)
@@ -303,7 +303,7 @@ def _moved_a_little(before: Mesh, mesh: Mesh) -> bool:
     return bool(np.linalg.norm(mesh.positions - before.positions, axis=1).mean() < CUT * edge)
 
 
-def _even_directions(count: int) -> np.ndarray:
+def even_directions(count: int) -> np.ndarray:
     """Directions [count, 3] over the upper hemisphere, even in solid angle."""
     n = np.arange(count) + 0.5
     z, phi = 1.0 - n / count, np.pi * (3.0 - np.sqrt(5.0)) * n

@@ -263,7 +263,7 @@ class VertexVisibility:
 
     def gather(self, program_of, radiance: TextureBuffer, sums: TextureBuffer, means: TextureBuffer) -> None:
         """Gather what the fixed directions met into `means`: the mean radiance that comes back to each vertex, front and
-        back.
+        back, and the mean of its luminance times its direction.
 
         Parameters
         ----------
@@ -274,8 +274,8 @@ class VertexVisibility:
         first = self.probes.first
         padded = np.append(first, np.repeat(first[-1:], MOST_CLASSES + 1 - len(first)))
         V = self.probes.spread.shape[0]
-        sums.reserve(32 * int(first[-1]))
-        means.reserve(32 * V)
+        sums.reserve(64 * int(first[-1]))
+        means.reserve(64 * V)
         program = program_of("bounce_gather")
         for unit, buffer in enumerate((self._hits, radiance, self._probe_data, self._direction_data), 9):
             buffer.bind(unit)

@@ -6,7 +6,7 @@ layout(binding = 9) uniform usamplerBuffer hit_data;      // passes/visibility_h
 layout(binding = 10) uniform samplerBuffer radiance_data; // passes/bounce_radiance.comp
 layout(binding = 11) uniform samplerBuffer probe_data;
 layout(binding = 12) uniform samplerBuffer direction_data;
-layout(std430, binding = 0) writeonly buffer Sums { vec4 sums[]; };  // of a probe front and back: radiance, weight
+layout(std430, binding = 0) writeonly buffer Sums { vec4 sums[]; };  // of a probe front and back: radiance, weight; luminance x direction
 uniform int first_probe[9];  // of each class, and the one after the last
 uniform int probe_count;
 uniform int class_stride;    // directions of each class in direction_data,
@@ -19,15 +19,22 @@ void main() {
     vec3 N = steepness * texelFetch(probe_data, 2 * i + 1).xyz;
     int base = class_stride * int(gl_WorkGroupID.y);
     vec4 front = vec4(0.0), back = front;
+    vec3 from = vec3(0.0), from_back = from;
     for (int d = 0; d < direction_count; ++d) {
-        float cos_theta = dot(texelFetch(direction_data, base + d).xyz, N);
+        vec3 omega = texelFetch(direction_data, base + d).xyz;
+        float cos_theta = dot(omega, N);
         vec2 w = clamp(vec2(cos_theta, -cos_theta), 0.0, 1.0);
         uint hit = texelFetch(hit_data, d * probe_count + i).x;
         vec3 L = vec3(0.0);
         if (hit != 0xffffffffu) L = texelFetch(radiance_data, int(hit)).rgb;
         front += w.x * vec4(L, 1.0);
         back += w.y * vec4(L, 1.0);
+        w *= dot(L, vec3(0.2126, 0.7152, 0.0722));
+        from += w.x * omega;
+        from_back += w.y * omega;
     }
-    sums[2 * i] = front;
-    sums[2 * i + 1] = back;
+    sums[4 * i] = front;
+    sums[4 * i + 1] = vec4(from, 0.0);
+    sums[4 * i + 2] = back;
+    sums[4 * i + 3] = vec4(from_back, 0.0);
 }

@@ -3,7 +3,7 @@
 #include "passes/lights.glsl"
 #include "passes/irradiance_table.glsl"
 layout(binding = 2) uniform sampler2DArray seen;       // four values a texel: V_0, V_1 .. V_K, then the suns'
-layout(binding = 15) uniform sampler2D bounced_light;  // passes/bounce_pixels.comp
+layout(binding = 15) uniform sampler2DArray bounced_light;  // passes/bounce_pixels.comp
 uniform bool everything;  // nothing is hidden
 uniform bool bounces;
 uniform int sun_number;   // of the first sun's value
@@ -22,6 +22,6 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         Sun sun = fetch_sun(s);
         E += sun.E * (V_number(pixel, sun_number + s) * max(dot(N, sun.omega), 0.0));
     }
-    if (bounces) E += PI * texelFetch(bounced_light, pixel, 0).rgb;
+    if (bounces) E += PI * texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb;
     return max(E, vec3(0.0));
 }
