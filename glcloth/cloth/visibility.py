@@ -271,24 +271,15 @@ class VertexVisibility:
         radiance : of all vertices in the numbering of `places`
         sums : for what is between
         """
-        first = self.probes.first
-        padded = np.append(first, np.repeat(first[-1:], MOST_CLASSES + 1 - len(first)))
         V = self.probes.spread.shape[0]
-        sums.reserve(64 * int(first[-1]))
+        sums.reserve(64 * len(self.probes.points))
         means.reserve(64 * V)
         program = program_of("bounce_gather")
         for unit, buffer in enumerate((self._hits, radiance, self._probe_data, self._direction_data), 9):
             buffer.bind(unit)
         sums.buffer.bind_to_storage_buffer(0)
-        shader.set_uniforms(
-            program,
-            first_probe=[int(n) for n in padded],
-            probe_count=int(first[-1]),
-            class_stride=len(self._traced[0]),
-            direction_count=self.done,
-            steepness=self.steepness,
-        )
-        program.run(-(-int(np.diff(first).max()) // 64), self.classes)
+        size = len(self._traced[0])
+        self._run_classes(program, class_directions=size, direction_count=self.done, steepness=self.steepness)
         self.ctx.memory_barrier()
         program = program_of("bounce_spread")
         for unit, buffer in enumerate((sums, self._row_data, self._spread_data), 9):

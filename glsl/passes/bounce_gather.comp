@@ -9,7 +9,7 @@ layout(binding = 12) uniform samplerBuffer direction_data;
 layout(std430, binding = 0) writeonly buffer Sums { vec4 sums[]; };  // of a probe front and back: radiance, weight; luminance x direction
 uniform int first_probe[9];  // of each class, and the one after the last
 uniform int probe_count;
-uniform int class_stride;    // directions of each class in direction_data,
+uniform int class_directions;    // directions of each class in direction_data,
 uniform int direction_count; // and how many of them are traced
 uniform float steepness;     // of the weight of directions
 
@@ -17,7 +17,7 @@ void main() {
     int i = first_probe[gl_WorkGroupID.y] + int(gl_GlobalInvocationID.x);
     if (i >= first_probe[gl_WorkGroupID.y + 1u]) return;
     vec3 N = steepness * texelFetch(probe_data, 2 * i + 1).xyz;
-    int base = class_stride * int(gl_WorkGroupID.y);
+    int base = class_directions * int(gl_WorkGroupID.y);
     vec4 front = vec4(0.0), back = front;
     vec3 from = vec3(0.0), from_back = from;
     for (int d = 0; d < direction_count; ++d) {

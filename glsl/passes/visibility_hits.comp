@@ -5,17 +5,16 @@
 #include "passes/visit_closest.glsl"
 #include "accel.glsl"
 #include "passes/ground_cell.glsl"
-layout(local_size_x = 64) in;
+layout(local_size_x = 64) in;                               // and a row of groups for each class
 layout(binding = 10) uniform isamplerBuffer corner_index;   // three a triangle, in the order that hits are weighted in
 layout(binding = 11) uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
 layout(binding = 12) uniform samplerBuffer direction_data;  // toward the light
 layout(binding = 13) uniform samplerBuffer vertex_data;     // three texels a vertex: position, normal, tangent
 layout(std430, binding = 0) buffer Bits { uint bits[]; };   // word by word: those of all probes, one after the other
 layout(std430, binding = 1) writeonly buffer Hits { uint hits[]; };  // direction by direction: twice the vertex, 1 more for its back
-uniform int first_item;      // probe
-uniform int last_item;       // the one after the last
+uniform int first_probe[9];  // of each class, and the one after the last
 uniform int probe_count;
-uniform int direction_base;  // of this class
+uniform int class_directions;  // how many directions each class has
 uniform int first_direction;
 uniform int last_direction;  // the one after the last
 
@@ -40,8 +39,9 @@ uint met(Visit visit, vec3 origin, vec3 omega) {
 }
 
 void main() {
-    int i = first_item + int(gl_GlobalInvocationID.x);
-    if (i >= last_item) return;
+    int i = first_probe[gl_WorkGroupID.y] + int(gl_GlobalInvocationID.x);
+    if (i >= first_probe[gl_WorkGroupID.y + 1u]) return;
+    int direction_base = class_directions * int(gl_WorkGroupID.y);
     vec4 x = texelFetch(probe_data, 2 * i);
     vec4 N = texelFetch(probe_data, 2 * i + 1);
     int at = (first_direction >> 5) * probe_count + i;
