@@ -7,17 +7,23 @@ import platform
 import statistics
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 
 from . import __version__
+from .color import luminance
 from .context import create_context, is_software, list_devices
 from .errors import InputError
 from .files import cache_dir
+from .mesh import Mesh
 from .progress import track
 from .renderer import METHODS, Frame, Renderer
 from .scene import Scene
 
+SWAY = 0.12  # mean edges
+STEP = 0.3  # radians, from pose to pose
+POSES = 4  # until all that is seen was seen in motion
 LIMITS = ("GL_MAX_TEXTURE_SIZE", "GL_MAX_3D_TEXTURE_SIZE", "GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS")
 PACKAGES = ("moderngl", "PyOpenGL", "numpy", "scipy", "trimesh", "OpenEXR", "OpenImageIO", "pillow", "cyclopts")
 
@@ -68,7 +74,7 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
     for label, changes in [variant for variant in variants if variant[0].split("_")[0] in shadowed]:
         if label in ("direct", "direct_adaptive", "paper"):
             variants.append((f"{label}_shadows", {**changes, "shadows": "full"}))
-    costs = {}
+    costs, moving = {}, {}
     results: dict[str, dict] = {}
     with Renderer(device) as renderer:
         prepared, times = {}, {label: [] for label, _ in variants}
@@ -80,6 +86,8 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
             if frame.scene.shadows == "full" and not costs:
                 renderer.draw(frame)
                 costs = shadow_costs(renderer, frame, frames)
+                moving = moving_cloth(renderer, frame, frames)
+                renderer.draw(frame)
         # The variants take turns, so that a machine whose speed drifts is alike to all.
         for label in track([label for _ in range(frames) for label, _ in variants], "bench: frames"):
             frame = prepared[label]
@@ -116,6 +124,7 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
         return {
             "methods": results,
             "shadows": costs,
+            "moving": moving,
             "size": list(scene.size),
             "lobes": len(frame.lights.gaussians),
             "suns": len(frame.lights.suns),
@@ -129,8 +138,8 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
 
 
 def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:
-    """What the shadows of a frame cost beside its pixels: placing and tracing once a pose, and the means whenever the
-    lights turn (median of `times`)."""
+    """What the shadows of a frame cost beside its pixels: placing and tracing once a pose, the means whenever the lights
+    turn (median of `times`), rays from the pixels once a view."""
     vertices = renderer.shadows.vertices
     mesh, structure = renderer.drawn_mesh(frame), renderer.occluders(frame.mesh)
 
@@ -149,6 +158,10 @@ def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:
     means = np.median(
         [measured(lambda: vertices.integrate(frame.lights.rotated(np.eye(3)), broad)) for _ in range(times)], 0
     )
+    renderer.draw(frame)
+    buffer = renderer.gbuffer
+    renderer.shadows.forget_edges(buffer)
+    edges = measured(lambda: list(renderer.shadows.edges(buffer)))
     count = len(vertices.probes.points)
     return {
         "vertices": len(mesh.positions),
@@ -156,10 +169,53 @@ def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:
         "own_rays": count * (vertices.total(frame.lights) - vertices.share),
         **{
             f"{name}_{kind}": round(float(value), 1)
-            for name, pair in (("place", place), ("trace", fixed), ("trace_own", own), ("means", means))
+            for name, pair in (
+                ("place", place),
+                ("trace", fixed),
+                ("trace_own", own),
+                ("means", means),
+                ("edges", edges),
+            )
             for kind, value in zip(("ms", "cpu_ms"), pair, strict=True)
         },
     }
+
+
+def moving_cloth(renderer: Renderer, frame: Frame, times: int) -> dict:
+    """Frames of a cloth that sways by SWAY edges from pose to pose, with shadows that follow and without, in turns: medians
+    of `times`; and how far the last picture is from one whose vertices look anew, in % of its mean luminance."""
+    off = replace(frame, scene=frame.scene.changed(shadows="off"), settings=replace(frame.settings, shadows="off"))
+    shows = {"": (Renderer(ctx=renderer.ctx), frame), "off_": (renderer, off)}
+    shows[""][0].follow_poses()
+    spent = {name: [] for name in shows}
+    for number in range(POSES + times):
+        pose = _swayed(frame.mesh, number)
+        for name, (one, still) in shows.items():
+            renderer.ctx.finish()
+            begin, begin_cpu = time.perf_counter(), time.process_time()
+            one.draw(replace(still, mesh=pose))
+            renderer.ctx.finish()
+            spent[name].append((1000 * (time.perf_counter() - begin), 1000 * (time.process_time() - begin_cpu)))
+    followed = shows[""][0].gbuffer.read()
+    renderer.draw(replace(frame, mesh=pose))
+    anew = renderer.gbuffer.read()
+    covered = anew[..., 3] > 0
+    a, b = (luminance(picture[covered][:, :3]) for picture in (followed, anew))
+    result = {"sway_edges": SWAY, "error_percent": round(float(100 * np.abs(a - b).mean() / b.mean()), 2)}
+    for name, rows in spent.items():
+        for kind, value in zip(("ms", "cpu_ms"), np.median(rows[POSES:], 0), strict=True):
+            result[f"{name}{kind}"] = round(float(value), 1)
+    return result
+
+
+def _swayed(mesh: Mesh, number: int) -> Mesh:
+    """A pose of a mesh: its points move by about SWAY mean edges from number to number, up to half a turn to and fro."""
+    corners = mesh.positions[mesh.triangles[:, :2]].astype(float)
+    edge = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).mean()
+    phase = 6.0 / mesh.radius * mesh.positions[:, [2, 0, 1]].astype(float)
+    # The mean of |d sin| over a step is that of |cos| times the step.
+    way = SWAY * edge * np.sqrt(np.pi) / STEP * np.sin(phase + STEP * number)
+    return replace(mesh, positions=mesh.positions + way / np.sqrt(3))
 
 
 def cloth_table(result: dict) -> str:
@@ -182,6 +238,13 @@ def cloth_table(result: dict) -> str:
             f"shadows of {costs['vertices']} vertices: once a pose {costs['place_ms']:.0f} ms to place probes, "
             f"{costs['trace_ms']:.0f} ms ({costs['trace_cpu_ms']:.0f} CPU) for {costs['rays']} rays; at rest "
             f"{costs['trace_own_ms']:.0f} ms ({costs['trace_own_cpu_ms']:.0f}) for {costs['own_rays']} of narrow Gaussians; "
-            f"whenever the lights turn {costs['means_ms']:.1f} ms ({costs['means_cpu_ms']:.1f})"
+            f"whenever the lights turn {costs['means_ms']:.1f} ms ({costs['means_cpu_ms']:.1f}); once a view "
+            f"{costs['edges_ms']:.0f} ms ({costs['edges_cpu_ms']:.0f}) for rays from pixels"
+        )
+    if moving := result["moving"]:
+        lines.append(
+            f"cloth that moves by {moving['sway_edges']} edges a frame: {moving['ms']:.0f} ms ({moving['cpu_ms']:.0f} CPU), "
+            f"without shadows {moving['off_ms']:.0f} ({moving['off_cpu_ms']:.0f}); "
+            f"{moving['error_percent']:.1f} % from shadows traced anew"
         )
     return "\n".join(lines)

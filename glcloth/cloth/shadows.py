@@ -211,6 +211,10 @@ class Shadows:
             count = max(FEWEST_TILES, int(count * min(max(faster, 0.25), 4.0)))
             yield first
 
+    def forget_edges(self, buffer: GBuffer) -> None:
+        """Let the pixels of a G-buffer look into the narrow Gaussians anew."""
+        self._looked.pop(buffer, None)
+
     def _upload_edges(self, narrow: np.ndarray, sample: tuple[int, int]) -> list[tuple]:
         """Upload the directions of rays from pixels; returns each texel of four numbers that has narrow Gaussians, where
         their directions begin (-1: none) and how many each has."""
