@@ -3,7 +3,7 @@
 DISPLAY=:1 python tests/window_driver.py events          # orbit, wheel, keys, panels, files
 DISPLAY=:1 python tests/window_driver.py curtain         # the curtain: frames, live changes, files, trees
 DISPLAY=:1 python tests/window_driver.py drops           # files dropped on the window
-DISPLAY=:1 python tests/window_driver.py rates           # how often input is heard, how long pictures take
+DISPLAY=:1 python tests/window_driver.py rates           # how often input is heard, how long pictures take (cloth ground curtain)
 DISPLAY=:1 python tests/window_driver.py monkey 1000     # random actions: memory and GL objects before and after
 """
 
@@ -306,15 +306,21 @@ def curtain(folder):
     return out
 
 
-def rates(seconds=4.0):
+def rates(wanted=("cloth", "ground", "curtain"), seconds=4.0):
     """How often input is heard, and how long a picture takes, at 1280 x 720 in each kind of work. Figures of docs/window.md."""
-    app = App(Scene())
+    app = App(Scene(size=(1280, 720)))
     glfw.set_window_pos(app.host.window, 0, 0)
     settle(app)
-    out = {}
+    session, out = app.session, {}
 
     def wait(_):
         """Only look on while a picture is refined."""
+
+    def orbit_on(_):
+        app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0))
+
+    def slide(k):
+        session.edit_yarn(0, "s", gamma_s_deg=5.0 + 0.01 * (k % 500))
 
     def hear(name, act=wait):
         gaps, pictures = [], app.drawer.sides[0].version
@@ -333,32 +339,47 @@ def rates(seconds=4.0):
             "pictures_per_s": round((app.drawer.sides[0].version - pictures) / (last - begin), 1),
         }  # fmt: skip
 
-    hear("orbit", lambda k: app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0)))
-    hear("slider", lambda k: app.session.edit_yarn(0, "s", gamma_s_deg=5.0 + 0.01 * (k % 500)))
-    app.session.edit_scene(method="reference")
-    app.step()
-    hear("reference refines")
-    app.session.edit_scene(method="direct")
-    settle(app)
-    out["latency"] = latency(app)
-    app.session.edit_scene(shadows="off")
-    settle(app)
-    hear("orbit, no shadows", lambda k: app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0)))
-    out["latency, no shadows"] = latency(app)
-    app.session.choose_mode("curtain")
-    settle(app)
-    app.toggle_play()
-    hear("curtain plays")
-    app.toggle_tree()
-    hear("curtain plays, tree open")
-    out["curtain_ms"] = {k: round(v, 1) for k, v in vars(app.player.timings).items()}
-    app.toggle_play()
-    hear("curtain refines")
+    if "cloth" in wanted:
+        hear("orbit", orbit_on)
+        hear("slider", slide)
+        session.edit_scene(method="reference")
+        app.step()
+        hear("reference refines")
+        session.edit_scene(method="direct")
+        settle(app)
+        out["latency"] = latency(app)
+        session.edit_scene(shadows="off")
+        settle(app)
+        hear("orbit, no shadows", orbit_on)
+        out["latency, no shadows"] = latency(app)
+    if "ground" in wanted:
+        session.edit_scene(shadows="full", ground="auto", objects=("sphere",))
+        settle(app)
+        hear("ground and a sphere: orbit", orbit_on)
+        hear("ground and a sphere: slider", slide)
+        hear("ground and a sphere: light turns", lambda k: session.edit_scene("t", env_rotate=float(k % 90)))
+        settle(app)
+        out["latency, ground and a sphere"] = latency(app)
+    if "curtain" in wanted:
+        session.choose_mode("curtain")
+        settle(app)
+        app.toggle_play()
+        hear("curtain plays")
+        app.toggle_tree()
+        hear("curtain plays, tree open")
+        out["curtain_ms"] = {k: round(v, 1) for k, v in vars(app.player.timings).items()}
+        app.toggle_tree()
+        session.compare("split")
+        session.edit_other(fabric="lace")
+        hear("curtain plays, A and B")
+        session.compare("off")
+        app.toggle_play()
+        hear("curtain refines")
     app.close()
     return out
 
 
-def latency(app, times=8):
+def latency(app, times=5):
     """Milliseconds from the arrival of a mouse's motion (by xdotool) to the first changed picture on the screen and to the
     refined one; medians."""
     during(app, ["mousemove", 400, 300], ["mousedown", 1])
@@ -548,7 +569,7 @@ if __name__ == "__main__":
     if sys.argv[1] == "monkey":
         print(json.dumps(monkey(int(sys.argv[2]))))
     elif sys.argv[1] == "rates":
-        print(json.dumps(rates(), indent=1))
+        print(json.dumps(rates(sys.argv[2:]) if sys.argv[2:] else rates(), indent=1))
     else:
         with tempfile.TemporaryDirectory() as scratch:
             print(json.dumps({"events": events, "curtain": curtain, "drops": drops}[sys.argv[1]](Path(scratch))))
