@@ -1,7 +1,7 @@
 """Checks and figures of docs/curtain.md on the whole scene, too slow for the test suite.
 
 python tests/measure_curtain.py hits      nearest hits of 100,000 rays against brute force, pictures of every structure
-python tests/measure_curtain.py cost      SAH cost against an exact tree of the same frame (minutes)
+python tests/measure_curtain.py cost      SAH cost of eleven frames against an exact tree, steps and tests of rays (minutes)
 python tests/measure_curtain.py growth [N]    whole frames at 12786, 50000 and 200000 triangles for every structure
 python tests/measure_curtain.py strain    the longest threads of 126 frames, for every fabric
 python tests/measure_curtain.py light     the total transmittance of every fabric against its openness
@@ -9,6 +9,7 @@ python tests/measure_curtain.py series FILE.png    the curtain over roughness, t
 """
 
 import sys
+from dataclasses import replace
 
 import curtain_scenes as scenes
 import numpy as np
@@ -79,20 +80,46 @@ def hits(ctx):
 
 
 def cost(ctx):
-    with CurtainShow(ctx) as show:
-        for frame, pairs in ((0, True), (48, True), (48, False), (100, True)):
-            show.advance(frame - show.frame)
-            positions = show.triangles.positions()
-            tree = KdTree(ctx, KdTreeParameters(pairs=pairs))
-            tree.build(show.triangles)
-            nodes = tree.arrays()
-            got = exact.sah_cost(nodes | {"count": nodes["pairs"]}, tree.parameters.C_ts)
-            count, codes = show.triangles.pairs(pairs)
-            codes = np.frombuffer(codes.buffer.read(4 * count), np.uint32).astype(int)
-            parts = np.stack([positions[codes >> 1], positions[(codes >> 1) + (codes & 1)]], 1)
-            best = exact.sah_cost(exact.build(parts, tree.parameters.C_ts), tree.parameters.C_ts)
-            more = 100 * (got / best - 1)
-            print(f"frame {frame}, pairs {pairs}: {len(parts)} parts, cost {got:.2f}, exact {best:.2f}: {more:.1f} %")
+    """Frames of several curtains, and what a camera ray and a ray from the lamp to what it meets take."""
+    base = CurtainScene().curtain
+    for name, curtain, frames in (
+        ("as it is", base, (0, 24, 48, 72, 100)),
+        ("fullness 1.5", replace(base, fullness=1.5), (0, 48)),
+        ("fullness 2.6", replace(base, fullness=2.6), (0, 48)),
+        ("wind 1 m/s", replace(base, wind=1.0), (48, 100)),
+    ):
+        with CurtainShow(ctx, CurtainScene(curtain=curtain)) as show:
+            for frame in frames:
+                show.advance(frame - show.frame)
+                for pairs in (True, False) if name == "as it is" and frame == 48 else (True,):
+                    cost_of(ctx, show, name, pairs)
+
+
+def cost_of(ctx, show, name, pairs):
+    positions = show.triangles.positions()
+    tree = KdTree(ctx, KdTreeParameters(pairs=pairs))
+    tree.build(show.triangles)
+    nodes, C_ts = tree.arrays(), tree.parameters.C_ts
+    got = exact.sah_cost(nodes | {"count": nodes["pairs"]}, C_ts)
+    count, codes = show.triangles.pairs(pairs)
+    codes = np.frombuffer(codes.buffer.read(4 * count), np.uint32).astype(int)
+    parts = np.stack([positions[codes >> 1], positions[(codes >> 1) + (codes & 1)]], 1)
+    best = exact.sah_cost(exact.build(parts, C_ts), C_ts)
+    queries = RayQueries(ctx)
+    x, y = np.meshgrid(np.arange(160) * 2 + 1.0, np.arange(160) * 2 + 1.0)
+    d = np.stack([x, y, np.ones_like(x)], -1).reshape(-1, 3) @ show.scene.view.ray_from_pixel((320, 320)).T
+    hits = queries.closest_hit(tree, np.broadcast_to(show.scene.view.eye, d.shape), d, counted=True)
+    lamp, hit = np.array(show.scene.lamp_position), np.isfinite(hits.t)
+    way = np.array(show.scene.view.eye) + hits.t[hit, None] * d[hit] - lamp
+    lit = queries.closest_hit(tree, np.broadcast_to(lamp, way.shape), way, t_max=0.999, counted=True)
+    print(
+        f"{name:13} frame {show.frame:3}, pairs {pairs!s:5}: {len(parts)} parts, cost {got:.2f}, exact {best:.2f}: "
+        f"{100 * (got / best - 1):+.1f} %; levels {tree.large_levels} + {tree.small_levels}; steps, tests of a camera ray "
+        "{:.1f}, {:.1f}; of a ray from the lamp {:.1f}, {:.1f}".format(*hits.work.mean(0), *lit.work.mean(0)),
+        flush=True,
+    )
+    queries.release()
+    tree.release()
 
 
 def growth(ctx, only=""):

@@ -25,7 +25,7 @@ from ..scene import View, ViewTransform
 from .cloth import CurtainParameters, CurtainSimulation
 from .lighting import Lamp, Lighting
 from .room import ROOM, Room, load_room
-from .tracer import Shot, Tracer, TraceSettings
+from .tracer import BLOCK, Shot, Tracer, TraceSettings
 from .tree_view import TreeContent, draw_tree
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
@@ -422,11 +422,12 @@ def _quality(show: CurtainShow) -> dict:
     kdtree = show.scene.accelerator == "kdtree"
     C_ts, held = (structure.parameters.C_ts, tree["pairs"]) if kdtree else (1.0, tree["count"])
     view, size = show.scene.view, show.scene.size
-    # As the tracer orders them: blocks of 4 x 2 pixels.
-    at = np.arange(size[0] // 4 * 4 * (size[1] // 2 * 2))
-    across = size[0] // 4
-    x = at // 8 % across * 4 + at % 4 + 0.5
-    y = at // 8 // across * 2 + at // 4 % 2 + 0.5
+    # As the tracer orders them, block by block.
+    w, h = BLOCK
+    at = np.arange(size[0] // w * w * (size[1] // h * h))
+    down = size[1] // h
+    x = at // (w * h) // down * w + at % w + 0.5
+    y = at // (w * h) % down * h + at // w % h + 0.5
     d = np.stack([x, y, np.ones_like(x)], -1) @ view.ray_from_pixel(size).T
     queries = show.tracer.queries
     work = queries.closest_hit(structure, np.broadcast_to(view.eye, d.shape), d, counted=True).work

@@ -35,7 +35,8 @@ from .lighting import Lighting
 DEEPEST = 8
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
 ENVIRONMENT_UNIT = 6
-PART_SHARE = shared("trace/shared.glsl")[0]["PART_SHARE"]
+CONSTANTS, _ = shared("trace/shared.glsl")
+BLOCK = CONSTANTS["BLOCK_WIDTH"], CONSTANTS["BLOCK_HEIGHT"]
 
 
 @dataclass(frozen=True)
@@ -274,7 +275,7 @@ class Tracer:
                 self._trace_tile(tile, shot, k, structure)
                 self.statistics.total_ms += 1000 * (time.perf_counter() - begin)
                 (x, y), (across, rows) = tile
-                done += min(4 * across, width - x) * min(2 * rows, height - y)
+                done += min(BLOCK[0] * across, width - x) * min(BLOCK[1] * rows, height - y)
                 yield done / (width * height * len(shot.samples))
                 begin = time.perf_counter()
 
@@ -402,7 +403,7 @@ class Tracer:
         now.weights.bind(15)
         self._order.reserve(4 * now.count)
         self._order.buffer.bind_to_storage_buffer(0)
-        self._run("sort", -(-now.count // PART_SHARE), **now.runs)
+        self._run("sort", -(-now.count // CONSTANTS["PART_SHARE"]), **now.runs)
         on_cloth, others = (int(n) for n in np.frombuffer(self._counts.read(8, offset=16), np.uint32))
         self._order.bind(9)
         if self._environment[1] is not None:
@@ -515,15 +516,16 @@ def sample_offsets(spp: int) -> list[tuple[float, float]]:
 
 
 def _tiles(width: int, height: int, pixels: Callable[[], int] | None = None):
-    """((first pixel), (blocks of 4 x 2 pixels)) of bands of whole rows, or of parts of two rows if those are too long."""
+    """((first pixel), (blocks of pixels)) of bands of whole rows, or of parts of one row of blocks if those are too long."""
+    w, h = BLOCK
     y = 0
     while y < height:
         count = TILE_PIXELS if pixels is None else pixels()
         # Parts of rows begin and end between blocks, so that no pixel is in two of them.
-        across = min(width, max(4, count // 2 // 4 * 4))
-        rows = max(2, count // across // 2 * 2) if across == width else 2
+        across = min(width, max(w, count // h // w * w))
+        rows = max(h, count // across // h * h) if across == width else h
         for x in range(0, width, across):
-            yield (x, y), (-(-min(across, width - x) // 4), -(-min(rows, height - y) // 2))
+            yield (x, y), (-(-min(across, width - x) // w), -(-min(rows, height - y) // h))
         y += rows
 
 

@@ -1,6 +1,8 @@
 #version 430
-// The first generation of rays, one a pixel of a tile. Eight neighbouring invocations take a block of 4 x 2 pixels, so
-// that the rays of one SIMD vector stay together. Pixels beyond the tile's edge repeat the last.
+// The first generation of rays, one a pixel of a tile. Eight neighbouring invocations take a block of pixels, and blocks
+// follow each other downward, so that rays of one SIMD vector stay alike: along a hanging curtain's folds more than across.
+// Pixels beyond the tile's edge repeat the last.
+#include "trace/shared.glsl"
 layout(local_size_x = 64) in;
 layout(std430, binding = 1) writeonly buffer Heads { vec4 head_out[]; };      // (origin, t_min) (direction, t_max)
 layout(std430, binding = 2) writeonly buffer Weights { vec4 weight_out[]; };  // what the ray counts for; its layer
@@ -16,8 +18,8 @@ uniform int stride;         // layers that a head has room for
 void main() {
     int i = int(gl_GlobalInvocationID.x);
     if (i >= 8 * tile_blocks.x * tile_blocks.y) return;
-    ivec2 block = ivec2(i / 8 % tile_blocks.x, i / 8 / tile_blocks.x);
-    ivec2 pixel = min(tile_first + block * ivec2(4, 2) + ivec2(i % 4, i / 4 % 2), size - 1);
+    ivec2 block = ivec2(i / 8 / tile_blocks.y, i / 8 % tile_blocks.y);
+    ivec2 pixel = min(tile_first + block * ivec2(BLOCK_WIDTH, BLOCK_HEIGHT) + ivec2(i % BLOCK_WIDTH, i / BLOCK_WIDTH % BLOCK_HEIGHT), size - 1);
     vec3 d = normalize(ray_from_pixel * vec3(vec2(pixel) + 0.5 + jitter, 1.0));
     head_out[2 * i] = vec4(eye, 0.0);
     head_out[2 * i + 1] = vec4(d, far);

@@ -1,5 +1,6 @@
 #version 430
 // Adds one sample of a tile to the picture, top row first.
+#include "trace/shared.glsl"
 layout(local_size_x = 64) in;
 layout(binding = 8) uniform samplerBuffer radiances;
 layout(std430, binding = 0) buffer Picture { vec4 picture[]; };
@@ -11,8 +12,8 @@ uniform float share;  // 1 / samples
 void main() {
     int i = int(gl_GlobalInvocationID.x);
     if (i >= 8 * tile_blocks.x * tile_blocks.y) return;
-    ivec2 block = ivec2(i / 8 % tile_blocks.x, i / 8 / tile_blocks.x);
-    ivec2 pixel = tile_first + block * ivec2(4, 2) + ivec2(i % 4, i / 4 % 2);
+    ivec2 block = ivec2(i / 8 / tile_blocks.y, i / 8 % tile_blocks.y);
+    ivec2 pixel = tile_first + block * ivec2(BLOCK_WIDTH, BLOCK_HEIGHT) + ivec2(i % BLOCK_WIDTH, i / BLOCK_WIDTH % BLOCK_HEIGHT);
     if (any(greaterThanEqual(pixel, size))) return;
     picture[(size.y - 1 - pixel.y) * size.x + pixel.x] += vec4(share * texelFetch(radiances, i).rgb, 1.0);
 }

@@ -21,6 +21,8 @@ const uint LARGE_LEAF = 4u;      // its triangles are a range of references: it 
 
 const uint NO_TRIANGLE = 0xffffffffu;
 const uint SOLID = 0x80000000u;  // beside a triangle's number: it is not cloth
+const int BLOCK_WIDTH = 2;       // pixels whose rays a SIMD vector of eight takes together
+const int BLOCK_HEIGHT = 4;
 const int PART_SHARE = 32;       // rays that an invocation of passes/trace_sort.comp takes
 const int STACK = 48;            // the deepest a tree may be: LARGE_LEVELS + SMALL_LEVELS
 const int LARGE_LEVELS = 28;
