@@ -375,6 +375,20 @@ def test_the_environment_turns_and_the_camera_rests(tmp_path):
     assert np.abs(both - one).max() > 1e-3
 
 
+def test_bench_cloth_tells_what_shadows_cost_at_rest_and_in_motion(capsys):
+    quick = ["--mesh", "plane", "--env", "studio", "--lobes", "3", "--size", "32x24", "--frames", "1"]
+    assert run("bench", "cloth", "--methods", "direct", *quick, "--json") == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["methods"]["direct_shadows"]["shadows_ratio"] > 0
+    costs, moving = result["shadows"], result["moving"]
+    assert {"place_ms", "trace_ms", "trace_own_ms", "means_ms", "edges_ms", "edges_cpu_ms"} < set(costs)
+    assert {"ms", "cpu_ms", "off_ms", "off_cpu_ms", "sway_edges"} < set(moving)
+    assert 0 <= moving["error_percent"] < 10
+    assert run("bench", "cloth", "--methods", "direct", *quick, "--shadows", "off", "--json") == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["shadows"] == result["moving"] == {}
+
+
 def test_a_fault_of_ours_is_one_line_too(tmp_path, monkeypatch, capsys):
     from glcloth import renderer
 
