@@ -326,16 +326,17 @@ class Renderer:
         if scene.background:
             self.draw_background(frame)
 
-    def look(self, frame: Frame, count: int = 32) -> Iterator[int]:
-        """Trace what a frame's shadows lack, `count` directions a step; nothing where they are complete or off.
+    def look(self, frame: Frame, count: int = 32, enough: int | None = None) -> Iterator[int]:
+        """Trace what a frame's shadows lack, `count` directions a step; nothing where they are complete or off, or, for a
+        first impression, where `enough` directions are traced.
 
         Yields how many directions are traced.
         """
         shadows, around = self._prepare_shadows(frame), self._prepare_around(frame)
         if shadows is not None:
-            yield from shadows.steps(count)
+            yield from shadows.steps(count, enough)
         if around is not None:
-            yield from around.shadows.steps(count)
+            yield from around.shadows.steps(count, enough)
 
     def _shadow_mode(self, frame: Frame) -> ShadowMode:
         scene = frame.scene
@@ -459,7 +460,10 @@ class Renderer:
         if bounces:
             albedo = shadows.albedo(frame.fabric, self.shared)
             structure = self.occluders(frame.mesh, around)
-            self._gather.gather(shadows, around, structure, frame.lights, self.shared, albedo)
+            for _ in self._gather.gather(shadows, around, structure, frame.lights, self.shared, albedo):
+                if in_bands:
+                    self.ctx.finish()
+                    yield
             for one, target, _ in lookouts:
                 self._gather.fill(one, target)
             if in_bands:

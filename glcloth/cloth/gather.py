@@ -5,6 +5,8 @@ Without anything about the cloth the bounce is that of passes/seen_pixels.glsl, 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import moderngl
 import numpy as np
 
@@ -40,8 +42,10 @@ class Gather:
         self._views: list | None = None  # directions of light, texture, fabric
         self.version = 0
 
-    def gather(self, cloth: Shadows, around: Around, structure, lights: Lights, shared, albedo: np.ndarray) -> None:
-        """Find what comes back to the vertices of both under the present lights; nothing when it is known.
+    def gather(
+        self, cloth: Shadows, around: Around, structure, lights: Lights, shared, albedo: np.ndarray
+    ) -> Iterator[None]:
+        """Find what comes back to the vertices of both under the present lights, a part at a time; nothing when it is known.
 
         Parameters
         ----------
@@ -77,9 +81,11 @@ class Gather:
             )
             program.run(-(-count // 64))
         self.ctx.memory_barrier()
+        yield
         self._means = {one: self._means.get(one) or TextureBuffer(self.ctx, 16) for one in (cloth, around.shadows)}
         for one, means in self._means.items():
             one.vertices.gather(self._program, self._radiance, self._sums, means)
+            yield
         self._state = state
         self.version += 1
 

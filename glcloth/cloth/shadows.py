@@ -102,9 +102,14 @@ class Shadows:
                 self.vertices.start(mesh, structure, original, classes)
             self._meshes = meshes
 
-    def steps(self, count: int = 32) -> Iterator[int]:
-        """Trace what the vertices still lack, so many directions at a time."""
-        if self._mode == "full":
+    def steps(self, count: int = 32, enough: int | None = None) -> Iterator[int]:
+        """Trace what the vertices still lack, so many directions at a time; or only until there are `enough` of them."""
+        if self._mode == "full" and enough is not None:
+            while self.vertices.done < enough:
+                self.vertices.step(count)
+                self.ctx.finish()
+                yield self.vertices.done
+        elif self._mode == "full":
             # Directions of narrow Gaussians would all have to be traced at every pose.
             yield from self.vertices.steps(None if self.follow else self._lights, count)
 

@@ -155,12 +155,10 @@ class Refiner(Slices):
         """Trace what the shadows of these frames lack, or only the directions that a first impression needs."""
         for frame in frames:
             last = time.perf_counter()
-            for done in self.renderer.look(frame, self._directions):
+            for _ in self.renderer.look(frame, self._directions, enough):
                 now = time.perf_counter()
                 share = SLICE / max(now - last, 1e-4)
-                self._directions = max(1, min(32, round(self._directions * min(max(share, 0.5), 2.0))))
-                if enough is not None and done >= enough:
-                    break
+                self._directions = max(1, min(32, round(self._directions * min(share, 2.0))))
                 yield False
                 last = time.perf_counter()
 
