@@ -16,6 +16,7 @@ from .errors import InputError
 from .files import atomic_write, check_writable
 from .image import check_output, write_image
 from .mesh import Mesh
+from .objects import Objects
 from .renderer import Frame, Renderer
 
 VIDEO = (".mp4",)
@@ -61,6 +62,7 @@ def moving(
             environment=frame.environment,
             lights=None if turn_env else frame.lights,
             camera=orbit(frame.camera, 360.0 * i / count) if turntable else frame.camera,
+            objects=frame.objects or Objects(),
         )
 
     renderer.follow_poses(poses is not None)

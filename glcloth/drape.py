@@ -16,15 +16,14 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from .errors import InputError
-from .mesh import Mesh, build_mesh, load_mesh
+from .mesh import BALL, TABLE, Mesh, build_mesh, load_mesh
 from .progress import track
 from .shapes import grid_triangles
 from .simulation import Box, Cloth, ClothParameters, Sphere, Wind
 
 SIZE = 1.6  # m, side of the cloth
 TURN_DEG = 42.0  # of the cloth on the table
-# The table's top is y = 0, its front edge z = 0.05 with a rounding of 3 cm; the ball stands on it, a hand from the edge.
-SOLIDS = (Box((0.0, -0.35, -0.6), (1.2, 0.35, 0.65), 0.03), Sphere((-0.04, 0.15, -0.16), 0.19))
+SOLIDS = (Box(*TABLE), Sphere(*BALL))
 CENTER = (0.03, 0.36, 0.2)  # m, of the flat cloth before it falls
 FRAMES_PER_SECOND = 60
 SETTLE = 0.7  # s at the end in which strong damping brings the cloth to rest ...

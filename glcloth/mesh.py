@@ -29,8 +29,14 @@ from .progress import warn
 
 MESHES = PACKAGE / "meshes"
 BUILTIN_MESHES = ("drape", "sphere", "plane", "cylinder")
+BUILTIN_SOLIDS = ("stand",)  # objects only
 MESH_SUFFIXES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
 GREY = 0.5  # reflectance of an object whose file tells of no colour
+# What the built-in cloth was draped over: a box (centre, outer half sides, rounding) whose top is y = 0, and a ball
+# (centre, radius) that stands on it, a hand from its edge; metres. glcloth/drape.py simulates with them.
+TABLE = (0.0, -0.35, -0.6), (1.2, 0.35, 0.65), 0.03
+BALL = (-0.04, 0.15, -0.16), 0.19
+PLINTH = -1.208  # its lower end: under the hem
 LARGEST = 1e9  # beyond it float32 leaves no digits for a cloth
 SAVE_SUFFIXES = (".ply", ".obj", ".glb")
 
@@ -122,9 +128,12 @@ def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | N
     if str(name_or_path) in BUILTIN_MESHES and path.parent == Path("."):
         mesh = _builtin(str(name_or_path))
         return mesh, np.full((len(mesh.triangles), 3), GREY, np.float32)
+    names = (*BUILTIN_MESHES, *BUILTIN_SOLIDS) if colored else BUILTIN_MESHES
+    if colored and str(name_or_path) == "stand" and path.parent == Path("."):
+        return _stand()
     if not path.suffix and not path.exists():
-        close = difflib.get_close_matches(str(name_or_path), BUILTIN_MESHES, 1)
-        hint = f"did you mean {close[0]}?" if close else f"built in are {', '.join(BUILTIN_MESHES)}; or give a file"
+        close = difflib.get_close_matches(str(name_or_path), names, 1)
+        hint = f"did you mean {close[0]}?" if close else f"built in are {', '.join(names)}; or give a file"
         raise InputError(f"mesh {name_or_path}: neither a built-in mesh nor a file; {hint}")
     if path.is_dir():
         raise InputError(f"{path}: is a folder, expected a mesh file ({', '.join(MESH_SUFFIXES)})")
@@ -163,6 +172,27 @@ def _builtin(name: str) -> Mesh:
         return build_mesh(name, *_read_with_trimesh(MESHES / "drape.ply")[:4], where=name)
     positions, triangles, uv, normals = getattr(shapes, name)()
     return build_mesh(name, positions, triangles, uv, normals)
+
+
+def _stand() -> tuple[Mesh, np.ndarray]:
+    """What the built-in cloth lies on: the ball and the table that it was draped over, and a plinth down to its hem."""
+    low = TABLE[0][1] - TABLE[1][1]
+    plinth = np.array([[-1.1, PLINTH, -1.15], [1.1, low + 0.02, 0.0]])
+    x, triangles, _, N = shapes.sphere(BALL[1], 40, 80)
+    parts = [
+        (shapes.rounded_box(*TABLE, 0.045), (0.34, 0.22, 0.13)),
+        (shapes.rounded_box(plinth.mean(0), (plinth[1] - plinth[0]) / 2, 0.004, 0.08, 1), (0.20, 0.18, 0.17)),
+        ((x + BALL[0], triangles, N), (0.55, 0.53, 0.50)),
+    ]
+    firsts = np.cumsum([0, *(len(part[0]) for part, _ in parts)])
+    mesh = build_mesh(
+        "stand",
+        np.concatenate([part[0] for part, _ in parts]),
+        np.concatenate([part[1] + first for (part, _), first in zip(parts, firsts, strict=False)]),
+        None,
+        np.concatenate([part[2] for part, _ in parts]),
+    )
+    return mesh, np.concatenate([np.tile(np.float32(color), (len(part[1]), 1)) for part, color in parts])
 
 
 def _read_with_trimesh(path: Path, colored: bool = False) -> tuple[np.ndarray | None, ...]:

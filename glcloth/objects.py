@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from . import shapes
-from .mesh import Mesh, build_mesh
+from .mesh import Mesh, build_mesh, load_solid
 
 GAP = 0.002  # of the cloth's radius: how far below the lowest point a ground lies that is given no height
 FARTHEST = 3.0  # radii of the cloth: how far about it the ground is drawn finely for the sake of objects
@@ -66,12 +66,34 @@ class Objects:
     reflectances: tuple[np.ndarray, ...] = field(default=())
     ground: Ground | None = None
 
+    @property
+    def empty(self) -> bool:
+        """Whether there is nothing."""
+        return not self.meshes and self.ground is None
+
     def same_shape(self, other: Objects | None) -> bool:
         """Whether these hide the same light as others."""
         if other is None or len(self.meshes) != len(other.meshes):
             return False
         places = [g and (g.height, g.center, g.scale) for g in (self.ground, other.ground)]
         return places[0] == places[1] and all(a is b for a, b in zip(self.meshes, other.meshes, strict=True))
+
+
+Solid = tuple[Mesh, np.ndarray]  # a mesh and the reflectances [T, 3] of its triangles
+
+
+def load_solids(names: Sequence[str]) -> tuple[Solid, ...]:
+    """Read meshes of built-in names or files with their colours. Raises InputError as `load_solid`."""
+    known = {name: load_solid(name) for name in dict.fromkeys(names)}
+    return tuple(known[name] for name in names)
+
+
+def arrange(solids: Sequence[Solid], ground: float | str, color, cloth: Mesh) -> Objects:
+    """Objects and ground about a cloth, as a scene says: `ground` is a height, "auto" or "off"."""
+    meshes, reflectances = tuple(s[0] for s in solids), tuple(s[1] for s in solids)
+    if ground == "off":
+        return Objects(meshes, reflectances)
+    return Objects(meshes, reflectances, stand_on(cloth, meshes, None if ground == "auto" else float(ground), color))
 
 
 def stand_on(cloth: Mesh, meshes: Sequence[Mesh], height: float | None, color) -> Ground:

@@ -33,8 +33,8 @@ from .fabric import Fabric, load_fabric
 from .fit import fit_lights
 from .lights import Lights, SphericalGaussians, as_lights
 from .lights_file import load_lights
-from .mesh import BUILTIN_MESHES, Mesh, load_mesh, load_solid, load_view
-from .objects import Objects, stand_on
+from .mesh import BUILTIN_MESHES, Mesh, load_mesh, load_view
+from .objects import Objects, arrange, load_solids
 from .progress import check_stopped, track
 from .raster import GBuffer, MeshBuffers
 from .scene import Scene, load_scene
@@ -103,8 +103,8 @@ class Renderer:
         self._occluders: tuple | None = None  # mesh, objects' mesh, ground's height, triangles, structure
         self._around: Around | None = None
         self._gather: Gather | None = None
-        self._solids: dict[str, tuple] = {}  # of each name: when its file changed, mesh and reflectances
-        self._objects: tuple | None = None  # what they were made of, Objects
+        self._solids: tuple | None = None  # names and when their files changed, meshes and reflectances
+        self._objects: tuple | None = None  # cloth, those, the ground, Objects
         self._follow = False
         self._fit: tuple | None = None  # environment, lobes, lights
         self._rotated: tuple | None = None  # lights, degrees, lights turned
@@ -168,34 +168,27 @@ class Renderer:
             rotation,
         )
         camera = camera or default_camera(mesh, scene)
-        objects = objects or self._objects_of(scene, mesh)
+        objects = self._objects_of(scene, mesh) if objects is None else objects
+        objects = None if objects is None or objects.empty else objects
         return Frame(scene, fabric, mesh, environment, as_lights(lights), camera, settings, objects)
 
     def _objects_of(self, scene: Scene, mesh: Mesh) -> Objects | None:
         """The objects and the ground of a scene, the same ones as long as nothing about them changes."""
         if not scene.objects and scene.ground == "off":
             return None
-        solids = []
-        for name in dict.fromkeys(scene.objects):
-            path = Path(name)
-            stamp = path.stat().st_mtime_ns if path.is_file() else 0
-            if self._solids.get(name, (None,))[0] != stamp:
-                self._solids[name] = stamp, *load_solid(name)
-            solids.append(self._solids[name])
-        self._solids = {name: self._solids[name] for name in scene.objects}
-        meshes, reflectances = tuple(s[1] for s in solids), tuple(s[2] for s in solids)
-        before = self._objects
-        if before is not None and before[1] == meshes and before[2] == (scene.ground, scene.ground_color):
+        stamps = tuple(Path(name).stat().st_mtime_ns if Path(name).is_file() else 0 for name in scene.objects)
+        key = scene.objects, stamps
+        if self._solids is None or self._solids[0] != key:
+            self._solids = key, load_solids(scene.objects)
+        solids, look = self._solids[1], (scene.ground, scene.ground_color)
+        if self._objects is not None and self._objects[1] is solids and self._objects[2] == look:
+            before, _, _, objects = self._objects
             # The ground stays where it is while the cloth moves over it.
-            if before[0] is mesh or (self._follow and is_next_pose((before[0],), (mesh,))):
-                self._objects = mesh, *before[1:]
-                return before[3]
-        ground = None
-        if scene.ground != "off":
-            height = None if scene.ground == "auto" else float(scene.ground)
-            ground = stand_on(mesh, meshes, height, scene.ground_color)
-        objects = Objects(meshes, reflectances, ground)
-        self._objects = mesh, meshes, (scene.ground, scene.ground_color), objects
+            if before is mesh or (self._follow and is_next_pose((before,), (mesh,))):
+                self._objects = mesh, solids, look, objects
+                return objects
+        objects = arrange(solids, scene.ground, scene.ground_color, mesh)
+        self._objects = mesh, solids, look, objects
         return objects
 
     def _loaded(self, load, name: str):
@@ -295,7 +288,11 @@ class Renderer:
             for _ in self._shade_adaptively(buffer, mesh, method, program, frame, shadows, rows, around, hurry):
                 yield 0, 1
             if around is not None:
-                self._shade_around(buffer, around, method, frame, passes)
+                for band in bands(scene.size[1], rows):
+                    self._shade_around(buffer, around, method, frame, passes, 0, band)
+                    if band is not None:
+                        self.ctx.finish()
+                        yield 0, 1
             yield 1, 1
             jobs = []
         drawn = None
@@ -694,6 +691,18 @@ class Renderer:
         self._background[1].use(BACKGROUND_UNIT)
         program["environment_from_world"].write(rotation_y(-frame.scene.env_rotate).T.astype("f4").tobytes())
         self._gbuffer.fill_behind(program, target)
+
+
+def bands(height: int, rows: Callable[[], int] | None) -> Iterator[tuple[int, int] | None]:
+    """(first row, how many) of each part of a picture whose height `rows` says part by part; None, once, for all of it."""
+    if rows is None:
+        yield None
+        return
+    first = 0
+    while first < height:
+        count = max(1, min(rows(), height - first))
+        yield first, count
+        first += count
 
 
 def sample_offsets(spp: int) -> list[tuple[float, float]]:

@@ -75,3 +75,37 @@ def rings(radii: np.ndarray, sectors: int) -> tuple[np.ndarray, np.ndarray, np.n
     bands = np.stack([np.stack([a, c, d], -1), np.stack([a, d, b], -1)], 2).reshape(-1, 3)
     normals = np.tile([0.0, 1.0, 0.0], (len(positions), 1))
     return positions, np.concatenate([fan, bands]).astype(np.int32), normals
+
+
+def rounded_box(center, half_size, rounding: float, spacing: float, arc: int = 4) -> tuple[np.ndarray, ...]:
+    """Return positions, triangles and normals of a box with rounded edges, its faces in squares of about `spacing` and a
+    quarter round in 2 `arc` steps; `half_size` holds the rounding."""
+    inner = np.asarray(half_size, float) - rounding
+    positions, triangles, normals, count = [], [], [], 0
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        # Beyond the flat part the face goes on to the middle of the round edge, 45 degrees.
+        edge = rounding * np.tan(np.radians(np.linspace(0.0, 45.0, arc + 1)[1:]))
+        a, b = (
+            np.concatenate(
+                [
+                    -half - edge[::-1],
+                    np.linspace(-half, half, max(2, int(np.ceil(2 * half / spacing)) + 1)),
+                    half + edge,
+                ]
+            )
+            for half in (inner[u], inner[v])
+        )
+        A, B = np.meshgrid(a, b)
+        for side in (1.0, -1.0):
+            p = np.empty((A.size, 3))
+            p[:, axis], p[:, u], p[:, v] = side * (inner[axis] + rounding), A.ravel(), B.ravel()
+            nearest = np.clip(p, -inner, inner)
+            N = (p - nearest) / np.linalg.norm(p - nearest, axis=1, keepdims=True)
+            grid = grid_triangles(len(b), len(a))
+            positions.append(nearest + rounding * N + center)
+            normals.append(N)
+            # Rows grow with v here, where grid_triangles has them fall.
+            triangles.append((grid[:, ::-1] if side > 0 else grid) + count)
+            count += A.size
+    return np.concatenate(positions), np.concatenate(triangles).astype(np.int32), np.concatenate(normals)

@@ -316,6 +316,7 @@ class App:
             mesh=ready.mesh,
             environment=ready.environment,
             lights=lights,
+            objects=ready.objects,
         )
 
     def _follow_curtain(self, document: Document) -> bool:
@@ -503,6 +504,7 @@ def _same_light(new: Frame, old: Frame) -> bool:
         and same.mesh is old.mesh
         and same.environment is old.environment
         and same.lights is old.lights
+        and same.objects is old.objects
         and same.camera == old.camera
     )
 

@@ -26,6 +26,7 @@ _SCENE_HELP = {
     "env_rotate": ("degrees", "turns the environment about +Y (or drag with the right button)"),
     "exposure": ("stops", "brightness of the picture on screen and in PNG files; EXR files keep the light itself"),
     "spp": ("", "samples per pixel once the picture is refined"),
+    "ground_color": ("", "what the ground reflects"),
     "background": ("", "show the environment behind the cloth"),
     "adaptive": ("", "shade one pixel in four where neighbours are alike; small pictures always do while you edit"),
     "shadows": ("", "what the cloth hides from itself: nothing, the suns, or all the light"),

@@ -14,6 +14,7 @@ from ..curtain.show import CurtainScene, load_curtain_scene
 from ..errors import InputError
 from ..fabric import save_fabric
 from ..image import check_output, read_settings, write_image
+from ..mesh import load_solid
 from ..renderer import METHODS
 from ..scene import Scene, load_scene, save_scene
 from . import sharing
@@ -23,6 +24,7 @@ from .watch import SHADERS, Watcher
 if TYPE_CHECKING:
     from .app import App
 
+OBJECTS = ["Meshes", "*.obj *.ply *.glb *.gltf"]
 OPENABLE = [
     "Fabrics, scenes, lights, meshes, environments, pictures",
     "*.toml *.json *.obj *.ply *.glb *.gltf *.hdr *.exr *.png",
@@ -77,6 +79,18 @@ class Files:
             session.edit_scene(mesh=path)
         else:
             session.edit_shown(env=path)
+
+    def choose_object(self, path: str = "") -> None:
+        """Set a mesh of a path or built-in name beside the cloth; without one ask for it in the desktop's dialog."""
+        if path:
+            self.app.attempt(self._add_object, path)
+        elif not self.dialogs.waiting and not self.dialogs.open("Object", OBJECTS, self.choose_object):
+            self.app.tell("note", "no file dialog here (zenity or kdialog): type the path above, then press Object")
+
+    def _add_object(self, path: str) -> None:
+        load_solid(path)  # a wrong one is not taken
+        session = self.app.session
+        session.edit_scene(objects=(*session.scene.objects, path))
 
     # -- saving ------------------------------------------------------------------------------------------------------
 
@@ -157,7 +171,7 @@ class Files:
         session = self.app.session
         shown = session.shown
         names = [getattr(shown, name, None) for name in ("mesh", "env", "lights", "room")]
-        names += [self.source, session.chosen]
+        names += [*getattr(shown, "objects", ()), self.source, session.chosen]
         for name in self._watcher.changed({n for n in names if isinstance(n, str) and Path(n).is_file()}):
             if name == SHADERS:
                 self.app.reload_shaders()

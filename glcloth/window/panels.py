@@ -24,7 +24,10 @@ from .widgets import AMBER, CLAMP, GREY, RED, button_if, chooser, control, help_
 if TYPE_CHECKING:
     from .app import App
 
-LIGHT = {c.name: c for c in controls(Scene, ("lobes", "shadows", "env_rotate", "exposure", "spp", "background"))}
+LIGHT = {
+    c.name: c
+    for c in controls(Scene, ("lobes", "shadows", "env_rotate", "exposure", "spp", "background", "ground_color"))
+}
 
 
 class Panels:
@@ -116,10 +119,31 @@ class Panels:
         if new := chooser("environment", scene.env, list(BUILT_IN_NAMES)):
             app.attempt(session.edit_scene, env=new)
         self._open_field()
+        self._around(scene)
         if new := chooser("method", scene.method, list(METHODS)):
             app.attempt(session.edit_scene, method=new)
         self._settings(scene, session.edit_scene, "a")
         self._value(LIGHT["spp"])
+
+    def _around(self, scene: Scene) -> None:
+        """What stands about the cloth."""
+        app, session = self.app, self.session
+        changed, on = imgui.checkbox("ground", scene.ground != "off")
+        tip("a matt plane under the cloth and the objects")
+        if changed:
+            app.attempt(session.edit_scene, ground="auto" if on else "off")
+        imgui.same_line()
+        if imgui.button("Object"):
+            app.files.choose_object(str(Path(self.open_path.strip()).expanduser()) if self.open_path.strip() else "")
+        tip("sets the mesh of the path above, or a file to be chosen, beside the cloth")
+        for number, name in enumerate(scene.objects):
+            if imgui.small_button(f"x##object {number}"):
+                left = scene.objects[:number] + scene.objects[number + 1 :]
+                app.attempt(session.edit_scene, objects=left)
+            imgui.same_line()
+            imgui.text_colored(GREY, f"object: {Path(name).name}")
+        if scene.ground != "off":
+            self._value(LIGHT["ground_color"])
 
     def _settings(self, scene: Scene, edit, key: str) -> None:
         imgui.push_id(key)

@@ -17,6 +17,7 @@ from ..fit import FitReport, fit_report, report_on
 from ..lights import Lights
 from ..lights_file import load_lights
 from ..mesh import Mesh, load_mesh
+from ..objects import Objects, arrange, load_solids
 from ..precompute import shapes_of
 from ..scene import Scene
 from ..tables import tables_for
@@ -33,6 +34,7 @@ class Ready:
     environment: Environment
     report: FitReport
     lights: Lights  # turned as the scene says
+    objects: Objects  # what stands about the cloth, or nothing
 
 
 class Resources:
@@ -56,7 +58,9 @@ class Resources:
         mesh = self._get("mesh", (scene.mesh, _stamp(scene.mesh)), lambda: load_mesh(scene.mesh), "reading the mesh")
         map_key = (scene.env, _stamp(scene.env))
         environment = self._get("env", map_key, lambda: load_environment(scene.env), "reading the environment")
-        if mesh is None or environment is None:
+        stamps = tuple((name, _stamp(name)) for name in scene.objects)
+        solids = self._get("solids", stamps, lambda: load_solids(scene.objects), "reading the objects")
+        if mesh is None or environment is None or solids is None:
             return None
         light_key = (scene.lights, _stamp(scene.lights)) if scene.lights else (map_key, scene.lobes)
         if scene.lights:
@@ -82,7 +86,14 @@ class Resources:
             "",
             beside=False,
         )
-        return Ready(fabric, mesh, environment, report, lights)
+        objects = self._get(
+            "objects",
+            (scene.mesh, _stamp(scene.mesh), stamps, scene.ground, scene.ground_color),
+            lambda: arrange(solids, scene.ground, scene.ground_color, mesh),
+            "",
+            beside=False,
+        )
+        return Ready(fabric, mesh, environment, report, lights, objects)
 
     def ask_curtain(self, scene: CurtainScene, fabric: Fabric) -> Environment | None:
         """What the curtain needs beside itself: its environment. None while that, or the fabric's albedo (which the

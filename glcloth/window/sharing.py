@@ -76,6 +76,8 @@ def _whole_paths(data: dict) -> dict:
         value = data.get(name)
         if isinstance(value, str) and value and Path(value).is_file():
             data[name] = str(Path(value).resolve())
+    if data.get("objects"):
+        data["objects"] = [str(Path(name).resolve()) if Path(name).is_file() else name for name in data["objects"]]
     return data
 
 
@@ -113,6 +115,10 @@ def as_command(scene: Scene | CurtainScene, output: str = "picture.png", frame: 
         option = "--" + name.replace("_", "-")
         if isinstance(value, bool):
             words.append(option if value else f"--no-{name.replace('_', '-')}")
+        elif name == "objects":
+            words += [f"--object={path}" for path in value]
+        elif name == "ground_color":
+            words.append(f"{option}={','.join(f'{v:g}' for v in value)}")
         elif name == "size":
             words += [option, f"{value[0]}x{value[1]}"]
         else:

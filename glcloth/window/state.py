@@ -13,7 +13,19 @@ from ..scene import Scene, View
 Compare = Literal["off", "split", "difference"]
 Mode = Literal["cloth", "curtain"]
 # What B takes from A: the two sides show the same view of the same cloth in the same light.
-SHARED = ("mesh", "env", "env_rotate", "size", "exposure", "view_transform", "background", "camera")
+SHARED = (
+    "mesh",
+    "objects",
+    "ground",
+    "ground_color",
+    "env",
+    "env_rotate",
+    "size",
+    "exposure",
+    "view_transform",
+    "background",
+    "camera",
+)
 # What B of the curtain has of its own: it is the same curtain, at the same moment, in the same light.
 OWN = ("fabric", "accelerator", "depth", "spread")
 MOST_STEPS = 1000  # of undo that are kept
