@@ -191,6 +191,21 @@ def test_the_tree_costs_little_more_than_an_exact_one(ctx, keep, parameters):
     assert 0.9 * best < cost < 1.08 * best
 
 
+def test_no_lane_counts_more_than_it_can(ctx, keep, monkeypatch):
+    """Many references take more lanes; the tree is as good, and holds the same."""
+    soup = scenes.scene(3000, 0.3)
+    triangles, few, many = Triangles.of(ctx, soup), KdTree(ctx), KdTree(ctx)
+    keep += [triangles, few, many]
+    few.build(triangles)
+    monkeypatch.setattr("glcloth.accel.kdtree.LANE_REFS", 16)
+    many.build(triangles)
+    trees = [tree.arrays() for tree in (few, many)]
+    costs = [exact.sah_cost(tree | {"count": tree["pairs"]}, 2.0) for tree in trees]
+    assert costs[1] == pytest.approx(costs[0], rel=1e-3)
+    assert set(trees[1]["triangles"]) == set(range(len(soup)))
+    assert many.large_levels == few.large_levels
+
+
 def test_buffers_that_are_too_small_grow(ctx, keep):
     soup = scenes.scene(3000, 0.3)
     triangles, tree, small = Triangles.of(ctx, soup), KdTree(ctx), KdTree(ctx, room=0.05)
