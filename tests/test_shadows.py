@@ -528,3 +528,12 @@ def test_suns_do_not_draw_the_facets_of_a_coarse_ball(renderer):
     scene = dict(fabric="linen", mesh=mesh, lights=suns, size=(80, 60), background=False)
     off, full = (renderer.render(shadows=mode, **scene)[..., :3].sum(-1) for mode in ("off", "full"))
     assert (np.abs(full - off) > 0.02 * off.max()).sum() <= 0.005 * (off > 0).sum()
+
+
+def test_a_first_impression_under_turned_lights_traces_nothing(renderer):
+    """What the vertices see does not turn; only narrow Gaussians are looked at anew, and those can wait."""
+    scene = {"mesh": "sphere", "env": "studio", "size": (16, 12)}
+    renderer.render(**scene)
+    frame = renderer.prepare(**scene, env_rotate=40.0)
+    assert list(renderer.look(frame, 4, enough=16)) == []
+    assert list(renderer.look(frame, 4)), "narrow Gaussians"

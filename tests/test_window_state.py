@@ -17,6 +17,7 @@ from glcloth.renderer import METHODS
 from glcloth.scene import Scene, View, load_scene, save_scene
 from glcloth.window import curve, orbit, sharing, state
 from glcloth.window.controls import METHOD_FIELDS, controls
+from glcloth.window.slices import Slices
 from glcloth.window.state import Session
 
 
@@ -311,3 +312,22 @@ def test_the_state_needs_no_display():
         "glcloth.window.orbit; sys.exit('glfw' in sys.modules or 'imgui_bundle' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_the_answer_to_an_edit_is_shown_before_anything_else_is_drawn():
+    """Without a limit of time `work` goes on to the end, but for the small picture, after which it returns at once."""
+
+    class Plan(Slices):
+        drawn = ()
+
+        def _all(self):
+            self._refining = False
+            for slice_, seen in (("placed", False), ("answer", True), ("half", True), ("full", True)):
+                self.drawn = (*self.drawn, slice_)
+                yield seen
+                self._refining = "answer" in self.drawn
+
+    plan = Plan()
+    plan._begin()
+    assert plan.work(1e9) and plan.drawn == ("placed", "answer")
+    assert plan.work(1e9) and plan.drawn[2:] == ("half", "full") and plan.idle

@@ -7,6 +7,9 @@ DISPLAY=:1 python tests/window_driver.py rates           # how often input is he
 DISPLAY=:1 python tests/window_driver.py monkey 1000     # random actions: memory and GL objects before and after
 """
 
+import contextlib
+import ctypes
+import gc
 import itertools
 import json
 import resource
@@ -423,8 +426,17 @@ def gl_objects():
 
 
 def memory_mb():
+    """Megabytes in memory: as they are, and without what the C library keeps of what was freed."""
+    gc.collect()
+    held = resident_mb()
+    with contextlib.suppress(AttributeError):  # no GNU C library
+        ctypes.CDLL(None).malloc_trim(0)
+    return [held, resident_mb()]
+
+
+def resident_mb():
     pages = int(Path("/proc/self/statm").read_text().split()[1])
-    return pages * resource.getpagesize() / 2**20
+    return round(pages * resource.getpagesize() / 2**20)
 
 
 def act(app, rng):
@@ -552,7 +564,7 @@ def monkey(count):
         if number % max(count // 4, 1) == 0:
             rest(app)
             objects.append(gl_objects())
-            memory.append(round(memory_mb()))
+            memory.append(memory_mb())
         if number == count:
             break
         act(app, rng)

@@ -47,9 +47,8 @@ class Slices:
         try:
             while True:
                 begin = time.perf_counter()
-                answering = self.previewing
                 changed |= next(self._plan)
-                if answering and changed:
+                if changed and self.previewing:
                     return True  # the answer is shown before anything else is drawn
                 now = time.perf_counter()
                 # The next slice is likely as long as this one; it must end in time too.
