@@ -1,5 +1,7 @@
 """Objects and a ground about the cloth: closed forms, what hides what, and that nothing changes without them."""
 
+import shlex
+
 import numpy as np
 import pytest
 from test_shadows import sheet
@@ -11,10 +13,12 @@ from glcloth.accel.triangles import Triangles, turned
 from glcloth.camera import Camera
 from glcloth.errors import InputError
 from glcloth.lights import Lights, SphericalGaussians, Suns
-from glcloth.mesh import build_mesh, load_mesh, load_solid
+from glcloth.mesh import BALL, PLINTH, TABLE, build_mesh, load_mesh, load_solid
 from glcloth.objects import RINGS, SECTORS, Ground, Objects, stand_on
 from glcloth.reference.ground import ground_place
 from glcloth.reference.lambert import gaussian_irradiance
+from glcloth.scene import load_scene
+from glcloth.window.sharing import as_command, as_python
 
 COLOR = (0.4, 0.3, 0.2)
 SKY = Lights(SphericalGaussians([[0, 1, 0]], [0.0], [[1.0, 1.0, 1.0]]))  # the same from everywhere
@@ -277,3 +281,39 @@ def test_objects_bring_their_colours(tmp_path):
     box.visual = trimesh.visual.TextureVisuals(uv=np.zeros((len(box.vertices), 2)), material=material)
     box.export(tmp_path / "e.glb")
     assert np.allclose(load_solid(tmp_path / "e.glb")[1], [[0.2, 0.4, 0.8]], atol=0.01)
+
+
+def test_the_stand_is_closed_and_the_cloth_lies_on_it():
+    stand, colors = load_solid("stand")
+    assert len(colors) == len(stand.triangles)
+    p = stand.positions[stand.triangles].astype(float)
+    N = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    assert (np.einsum("ij,ij->i", N, stand.normals[stand.triangles].mean(1)) > -1e-12).all()
+    assert np.abs(N.sum(0)).max() < 1e-6  # nothing is open
+    cloth = load_mesh("drape").positions.astype(float)
+    centre, half, rounding = (np.array(v) for v in TABLE)
+    q = np.abs(cloth - centre) - (half - rounding)
+    table = np.linalg.norm(np.maximum(q, 0), axis=1) + np.minimum(q.max(1), 0) - rounding
+    ball = np.linalg.norm(cloth - BALL[0], axis=1) - BALL[1]
+    for distance in (table, ball):
+        assert 0.001 < distance.min() < 0.005 and (distance < 0.005).sum() > 500
+    assert PLINTH < cloth[:, 1].min() < PLINTH + 0.005
+
+
+def test_a_session_shares_objects_and_ground():
+    """A command line of the window brings them back."""
+    scene = load_scene("draped").changed(camera={}, ground=-1.5, objects=("stand", "sphere"))
+    words = shlex.split(as_command(scene))
+    assert words.count("--object=stand") == 1 and "--ground=-1.5" in words and "--ground-color=0.32,0.3,0.27" in words
+    assert "stand" in as_python(scene) and load_scene("draped").objects == ("stand",)
+
+
+def test_a_ground_stays_while_the_cloth_moves(renderer):
+    cloth = load_mesh("plane")
+    moved = build_mesh("moved", cloth.positions - np.float32([0, 0.02, 0]), cloth.triangles, cloth.uv, cloth.normals)
+    renderer.follow_poses()
+    try:
+        first, second = (renderer.prepare(mesh=mesh, ground="auto").objects for mesh in (cloth, moved))
+    finally:
+        renderer.follow_poses(False)
+    assert second is first
