@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 from golden import golden_fabrics, luminance_errors
 
-from glcloth.cloth import gaussian_nodes, schedule
+from glcloth.cloth import broad_nodes, gaussian_nodes, schedule
 from glcloth.fabric import Fabric
 from glcloth.lights import SphericalGaussians
 from glcloth.renderer import Renderer
@@ -42,6 +42,7 @@ def patched(module, **values):
 def clear():
     gaussian_nodes._cell.cache_clear()
     gaussian_nodes.sky_nodes.cache_clear()
+    broad_nodes.fixed_rule.cache_clear()
 
 
 def none_pooled(fabric):
@@ -52,7 +53,7 @@ POOLED = schedule.pooled_lobes
 VARIANTS = {
     "as it is": None,
     "square rules": (gaussian_nodes, {"LADDER": SQUARE}),
-    "no sky: every Gaussian its own nodes": (schedule, {"SKY_SHARPNESS": (1e-9, 2e-9)}),
+    "every Gaussian its own nodes": (schedule, {"BROAD_SHARPNESS": (1e-9, 2e-9)}),
     "no pooled lobes": (schedule, {"pooled_lobes": none_pooled}),
     "nodes do not widen the lobes": (
         schedule,

@@ -11,16 +11,20 @@ from .. import shader
 from ..fabric import Fabric
 from ..gpu import TextureBuffer
 from ..lights import Lights
-from ..reference.node import column_width
+from ..reference.node import angle_at_column, column_width
 from ..reference.slots import ANGLE_SERIES
+from . import broad_nodes
 from . import schedule as plan
-from .gaussian_nodes import SKY_SHARPNESS, SUN, gaussian_table, node_count, sky_nodes, warm
+from .gaussian_nodes import COLUMNS, SKY_SHARPNESS, SUN, gaussian_table, node_count, warm
 from .lobe_nodes import ends, lobe_table
 from .settings import Settings
+from .view_table import ViewTable
 from .visibility import sun_number
 
-NODE_UNIT, ENTRY_UNIT, LOBE_UNIT, POOL_UNIT, SKY_UNIT = 8, 9, 10, 11, 12
-ENTRY_TEXELS = 5
+NODE_UNIT, ENTRY_UNIT, LOBE_UNIT, POOL_UNIT, BROAD_UNIT, VIEW_UNIT = 8, 9, 10, 11, 12, 13
+ENTRY_TEXELS = 6
+BROAD_BLEND = 1.1  # sharpness, from one number of directions for broad light to the next
+NO_LIGHT = 1e-5  # share of a Gaussian's mass above the horizon that is none
 MAX_PHI_PAIRS = 8
 MAP_SIZE = 160  # of the octahedral maps of light: sharpness 30 needs a texel of a degree
 # What programs are compiled for: (groups, tangents a group, with pooled nodes). The first that a fabric fits serves it.
@@ -42,12 +46,14 @@ class Direct:
         self._entry_data = TextureBuffer(ctx, 16 * ENTRY_TEXELS * 64)
         self._lobe_data = TextureBuffer(ctx, 1 << 16)
         self._map_data = TextureBuffer(ctx, 32 * 64)
-        self._maps = {unit: self._empty_map() for unit in (POOL_UNIT, SKY_UNIT)}
+        self._maps = {unit: self._empty_map() for unit in (POOL_UNIT, BROAD_UNIT)}
         self._map_program = None
+        self._view = ViewTable(ctx)
         self._keys: dict[str, object] = {}
         self._uniforms: dict[str, np.ndarray] = {}
         self._variant = VARIANTS[0]
         self._evaluations = 0
+        self._pixel_counts = (1, 1, 1)
         self._warm: set[str] = set()
         self.broad = np.zeros(0)  # how much [K] of each Gaussian the maps carry
 
@@ -72,18 +78,19 @@ class Direct:
         self._keys["all"] = key
         lobes = plan.pooled_lobes(fabric)
         sharpness = lights.gaussians.sharpness
-        pooled = plan.pooled_share(schedule, sharpness, lobes)
-        sky = plan.sky_share(sharpness, pooled, lobes)
-        # What the sky carries is wholly pooled in the lobes that are pooled; so the rest is pooled less.
-        rest = np.where(sky < 1.0, (pooled - sky) / np.where(sky < 1.0, 1.0 - sky, 1.0), 1.0)
-        rest = np.clip(rest, 0.0, 1.0) if pooled.any() else pooled
-        self.broad = np.maximum(pooled, sky)
-        nodes = self._write_entries(lights, schedule, lobes, rest, sky, fabric)
-        pool = self._write_lobes(fabric, schedule, lobes, pooled)
-        self._write_map(POOL_UNIT, lights, pooled)
-        self._write_map(SKY_UNIT, lights, sky)
+        broad = plan.broad_share(sharpness)
+        pooled = plan.pooled_share(schedule, sharpness, lobes)  # of what is left over
+        self.broad = broad + (1.0 - broad) * pooled
+        nodes = self._write_entries(lights, schedule, lobes, pooled, broad, fabric)
+        pool = self._write_lobes(fabric, schedule, lobes)
+        any_pooled = bool(((broad < 1.0) & (pooled > 0.0)).any())
+        self._pixel_counts = tuple(map(int, self._uniforms["pool_counts"])) if any_pooled else (1, 1, 1)
+        self._write_map(POOL_UNIT, lights, (1.0 - broad) * pooled)
+        self._write_map(BROAD_UNIT, lights, broad)
         self._set_fabric(fabric, pool > 0)
-        self._evaluations = nodes * len(fabric.tangents) + pool
+        self._write_view_table(fabric, lobes, schedule)
+        directions = int(self._uniforms["broad_nodes"][1])
+        self._evaluations = nodes * len(fabric.tangents) + pool * any_pooled + directions
 
     def _warm_up(self, quality: str) -> None:
         """Compute the rules of a quality for all sharpnesses, once: no later edit computes one."""
@@ -98,16 +105,16 @@ class Direct:
         warm(0, SUN, SUN)
         self._warm.add(quality)
 
-    def _write_entries(self, lights: Lights, schedule, lobes, pooled, sky, fabric) -> int:
+    def _write_entries(self, lights: Lights, schedule, lobes, pooled, broad, fabric) -> int:
         """Upload the rules and the Gaussians that use them; returns the number of nodes."""
         gaussians = lights.gaussians
         axis, amplitude, sharp, share, level, number = [], [], [], [], [], []
         for k in range(len(gaussians)):
-            if sky[k] == 1.0 or not gaussians.amplitude[k].any():
+            if broad[k] == 1.0 or not gaussians.amplitude[k].any():
                 continue
             for one, part in plan.levels(schedule, gaussians.sharpness[k], pooled[k], lobes):
                 axis.append(gaussians.axis[k])
-                amplitude.append(gaussians.amplitude[k] * (1.0 - sky[k]) * part)
+                amplitude.append(gaussians.amplitude[k] * (1.0 - broad[k]) * part)
                 sharp.append(max(float(gaussians.sharpness[k]), 1e-2))
                 share.append(pooled[k])
                 level.append(one)
@@ -119,41 +126,52 @@ class Direct:
             sharp.append(SUN)
             share.append(0.0)
             level.append(0)
-        if not axis:
-            axis, amplitude, sharp, share, level = [(0.0, 0.0, 1.0)], [(0.0, 0.0, 0.0)], [1.0], [0.0], [0]
-            number = [0]
+        # Behind them one that ends every search. Pixels side by side spend as many nodes when the long rules come first.
+        order = sorted(range(len(axis)), key=lambda i: -node_count(level[i]))
+        axis, amplitude, sharp, share, level, number = (
+            [*(column[i] for i in order), last]
+            for column, last in zip(
+                (axis, amplitude, sharp, share, level, number),
+                ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), SUN, 0.0, 0, 0),
+                strict=True,
+            )
+        )
         key = tuple(zip(sharp, level, strict=True))
-        sky_levels = plan.sky_levels(schedule, lobes) if sky.any() else [(0, 0.0)]
-        if self._keys.get("nodes") != (key, sky_levels):
-            self._keys["nodes"] = key, sky_levels
-            first, tables, starts = 0, [], {}
+        looked_up = gaussians.sharpness[broad > 0.0]
+        self._broad_levels = broad_nodes.levels(float(looked_up.max()), BROAD_BLEND) if len(looked_up) else []
+        if self._keys.get("nodes") != (key, self._broad_levels):
+            self._keys["nodes"] = key, self._broad_levels
+            first, tables, starts, least = 0, [], {}, {}
             for pair in dict.fromkeys(key):
                 table = gaussian_table(*pair)
-                starts[pair] = first
+                starts[pair], least[pair] = first, _least_cosine(table, pair[0])
                 first += len(table)
                 tables.append(table)
-            self._starts = starts
-            fixed = np.concatenate([sky_nodes(one) * (1.0, 1.0, 1.0, part) for one, part in sky_levels])
-            texels = np.concatenate([*(table.reshape(-1, 4) for table in tables), fixed.astype("f4")])
-            self._uniforms["sky_nodes"] = np.array([len(texels) - len(fixed), len(texels)], "i4")
+            self._starts, self._least = starts, least
+            # Where nothing is looked up, one direction keeps the shader's loop whole.
+            omega = [broad_nodes.directions(one) for one, _ in self._broad_levels] or [np.array([[0.0, 0.0, 1.0]])]
+            omega = np.concatenate(omega)
+            texels = np.concatenate([*(table.reshape(-1, 4) for table in tables), np.pad(omega, ((0, 0), (0, 1)))])
+            self._uniforms["broad_nodes"] = np.array([len(texels) - len(omega), len(omega)], "i4")
+            texels = texels.astype("f4")
             self._node_data.write(texels)
         records = np.zeros((len(axis), ENTRY_TEXELS, 4), "f4")
         records[:, 0, :3], records[:, 1, :3] = axis, amplitude
         starts = [
             at << 24 | self._starts[pair] << 8 | node_count(pair[1]) for at, pair in zip(number, key, strict=True)
         ]
-        records[:, 0, 3] = np.array(starts, "i4").view("f4")
-        records[:, 1, 3] = column_width(sharp)
+        records[:, 1, 3] = np.array(starts, "i4").view("f4")
+        records[:-1, 0, 3] = [self._least[pair] for pair in key[:-1]]
+        records[-1, 0, 3] = -2.0
+        records[:, 5, 0] = column_width(sharp)
         sharp, share, level = np.array(sharp), np.array(share), np.array(level)
         for one in np.unique(level):
             mine = level == one
-            records[mine, 2:] = self._lobe_records(int(one), sharp[mine], share[mine], lobes, fabric)
-        # Two rules of the sky differ little; the finer one says how its nodes widen the lobes.
-        one = self._lobe_records(sky_levels[-1][0], np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
-        self._uniforms |= dict(zip(("sky_kept", "sky_sharp", "sky_height"), one, strict=True))
+            records[mine, 2:5] = self._lobe_records(int(one), sharp[mine], share[mine], lobes, fabric)
         self._entry_data.write(records)
-        self._uniforms["entry_count"] = np.array([len(axis)], "i4")
-        return int(sum(node_count(int(one)) for one in (*level, *(one for one, part in sky_levels if part > 0.0))))
+        several = int((level[:-1] > 0).sum())
+        self._uniforms["entry_counts"] = np.array([several, len(axis) - 1], "i4")
+        return int(sum(node_count(int(one)) for one in level[:-1]))
 
     @staticmethod
     def _lobe_records(level: int, sharpness, pooled, lobes, fabric) -> np.ndarray:
@@ -172,12 +190,12 @@ class Direct:
         height = np.log2(np.maximum(amplitude, 1e-30))
         return np.stack([kept, np.sqrt(1.0 / (width2 * np.log(2))), height], 1).astype("f4")
 
-    def _write_lobes(self, fabric: Fabric, schedule, lobes, pooled) -> int:
+    def _write_lobes(self, fabric: Fabric, schedule, lobes) -> int:
         """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them."""
         tangents = [
             (tangent, weight)
             for tangent, weight in zip(fabric.tangents, fabric.weights[:, 0], strict=True)
-            if max(lobes[tangent.yarn].share_s, lobes[tangent.yarn].share_v) > 0.0 and pooled.max(initial=0.0) > 0.0
+            if max(lobes[tangent.yarn].share_s, lobes[tangent.yarn].share_v) > 0.0
         ]
         count, pairs = (schedule.theta_count, schedule.phi_pairs) if tangents else (1, 1)
         key = (
@@ -232,6 +250,16 @@ class Direct:
         self._map_program.run(groups, groups)
         self.ctx.memory_barrier(moderngl.TEXTURE_FETCH_BARRIER_BIT)
 
+    def _write_view_table(self, fabric: Fabric, lobes, schedule) -> None:
+        """Have the table of the fabric made; nothing while neither it nor the directions of broad light change."""
+        before, key = self._keys.get("view"), (schedule, self._broad_levels)
+        if before is not None and before[0] is fabric and before[1] == key:
+            return
+        self._keys["view"] = fabric, key
+        groups, lanes, _ = self._variant
+        record = self._lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
+        self._view.make(self._broad_levels, _defines(groups, lanes, True), self._bind_fabric, record)
+
     def _set_fabric(self, fabric: Fabric, pooled: bool) -> None:
         tangents = fabric.tangents
         self._variant = next(v for v in VARIANTS if v[0] * v[1] >= len(tangents) and v[2] >= pooled)
@@ -278,9 +306,14 @@ class Direct:
         """Bind the buffers and set the uniforms of a program."""
         self._node_data.bind(NODE_UNIT)
         self._entry_data.bind(ENTRY_UNIT)
-        self._lobe_data.bind(LOBE_UNIT)
         for unit, texture in self._maps.items():
             texture.use(unit)
+        self._view.use(VIEW_UNIT)
+        self._bind_fabric(program)
+        shader.set_uniforms(program, pool_counts=self._pixel_counts)
+
+    def _bind_fabric(self, program) -> None:
+        self._lobe_data.bind(LOBE_UNIT)
         for name, value in self._uniforms.items():
             if name in program:
                 uniform = program[name]
@@ -295,6 +328,15 @@ class Direct:
     def evaluations_per_pixel(self) -> int:
         """Evaluations of one tangent at one node in each pixel."""
         return self._evaluations
+
+
+def _least_cosine(table: np.ndarray, sharpness: float) -> float:
+    """The cosine between axis and N below which less than NO_LIGHT of a Gaussian is above the horizon."""
+    mass = table[-1, :, 3]
+    lit = np.flatnonzero(mass > mass.max() + np.log(NO_LIGHT))[-1]
+    if lit == COLUMNS - 1:
+        return -2.0
+    return float(np.cos(angle_at_column((lit + 1) / (COLUMNS - 1), column_width(sharpness))))
 
 
 def _defines(groups: int, lanes: int, pooled: bool) -> dict:

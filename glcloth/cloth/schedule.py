@@ -19,28 +19,26 @@ class Schedule:
     ----------
     sharper : sharpness, for linen's lobes of 12 degrees, below which level 1, 2, ... of the ladder is used
     shift : levels added to that
-    sky : level of the fixed nodes on which the broadest Gaussians are summed, for linen
     theta_count, phi_pairs : nodes of the pooled lobes of a tangent: in theta, and pairs in phi
     pooled_ratio : how many times the width 2 gamma of a lobe sigma must be for its Gaussian to be pooled
     """
 
     sharper: tuple[float, ...] = (150.0, 13.0, 4.5, 1.5, 0.55)
     shift: int = 0
-    sky: int = 6
     theta_count: int = 3
     phi_pairs: int = 3
     pooled_ratio: tuple[float, float] = (0.7, 0.9)
 
 
 SCHEDULES = {
-    "draft": Schedule(sharper=(120.0, 8.0, 2.5), sky=5, theta_count=2),
+    "draft": Schedule(sharper=(120.0, 8.0, 2.5), theta_count=2),
     "normal": Schedule(),
     "high": Schedule(
-        sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, sky=8, theta_count=5, phi_pairs=6, pooled_ratio=(0.6, 0.8)
+        sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, theta_count=5, phi_pairs=6, pooled_ratio=(0.6, 0.8)
     ),
 }
 
-SKY_SHARPNESS = (6.0, 9.0)  # Gaussians broader than this are summed on nodes that are fixed to the surface
+BROAD_SHARPNESS = (6.0, 9.0)  # Gaussians broader than this are looked up at directions that are fixed to the surface
 POOLED_SHARPNESS = (22.0, 30.0)  # Gaussians broader than this may be summed on the nodes of a narrow lobe,
 NARROW_DEG = (6.2, 11.0)  # if gamma is at most this (and see Schedule.pooled_ratio)
 SAME_NODES_RATIO = (2.2, 4.0)  # lobes of one yarn whose widths differ more than this cannot share nodes in theta
@@ -99,11 +97,9 @@ def pooled_share(schedule: Schedule, sharpness: np.ndarray, lobes: tuple[Lobes, 
     return broad * smoothstep(*schedule.pooled_ratio, sigma / max(widths))
 
 
-def sky_share(sharpness: np.ndarray, pooled: np.ndarray, lobes: tuple[Lobes, Lobes]) -> np.ndarray:
-    """How much [K] of each Gaussian the sky's nodes carry; where lobes are pooled, only what is pooled in them."""
-    share = 1.0 - smoothstep(*SKY_SHARPNESS, sharpness)
-    any_pooled = max(share for lobe in lobes for share in (lobe.share_s, lobe.share_v)) > 0.0
-    return share * pooled if any_pooled else share
+def broad_share(sharpness: np.ndarray) -> np.ndarray:
+    """How much [K] of each Gaussian is looked up at a few directions (broad_nodes.py)."""
+    return 1.0 - smoothstep(*BROAD_SHARPNESS, sharpness)
 
 
 def _scale(pooled: float, lobes: tuple[Lobes, Lobes]) -> float:
@@ -125,14 +121,6 @@ def _two_levels(height: float) -> list[tuple[int, float]]:
     height = min(height, len(LADDER) - 1.0)
     low = int(height)
     return [(level, share) for level, share in ((low, 1.0 - height + low), (low + 1, height - low)) if share > 1e-4]
-
-
-def sky_levels(schedule: Schedule, lobes: tuple[Lobes, Lobes]) -> list[tuple[int, float]]:
-    """The level or the two levels of the sky's nodes, with their shares (sum 1)."""
-    # One level less for lobes two times as wide as linen's; smooth steps between whole levels keep to one rule mostly.
-    height = schedule.sky + np.clip(np.log2(_scale(1.0, lobes)), -2.0, 2.0)
-    whole = np.floor(height)
-    return _two_levels(whole + float(smoothstep(0.46, 0.64, height - whole)))
 
 
 def levels(schedule: Schedule, sharpness: float, pooled: float, lobes: tuple[Lobes, Lobes]) -> list[tuple[int, float]]:

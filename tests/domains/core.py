@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import between, directions, vectors
+from . import above_horizon, between, directions, vectors
 
 
 def weights(rng, count):
@@ -32,6 +32,8 @@ SPECIAL = {
     ("orthogonal_part", "v"): vectors(1.0),
     # At the poles themselves u has no value.
     ("uv_from_direction", "omega"): directions,
+    ("to_disk", "omega"): above_horizon,
+    ("from_disk", "p"): lambda rng, count: rng.uniform(-1.2, 1.2, (count, 2)),
     ("erf", "x"): between(-8.0, 8.0, 0.0, -1.0, 1.0),
 }
 TOLERANCE = {
