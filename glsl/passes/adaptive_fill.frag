@@ -32,7 +32,9 @@ vec4 between(ivec2 low, ivec2 d, vec4 N) {
     vec4 bend_a = before - 2.0 * a + b, bend_b = a - 2.0 * b + after;
     vec4 middle = 0.5 * (a + b) - (bend_a + bend_b) / 16.0;
     float l_a = dot(a.rgb, LUMINANCE), l_b = dot(b.rgb, LUMINANCE);
-    float doubt = max(abs(dot(bend_a.rgb, LUMINANCE)), abs(dot(bend_b.rgb, LUMINANCE))) / 16.0;
+    float B_a = dot(bend_a.rgb, LUMINANCE), B_b = dot(bend_b.rgb, LUMINANCE);
+    // A curve bends alike at both; where a shadow's edge passes between they are opposite and as large as the step.
+    float doubt = max(max(abs(B_a), abs(B_b)) / 16.0, abs(B_a - B_b) / 8.0);
     vec4 N_a = frame_at(low), N_b = frame_at(low + d);
     // The normal itself is known everywhere. Radiance follows it, so what the normal is off its neighbours' mean, in
     // units of their difference, says what interpolation misses of the radiance's difference.
