@@ -435,6 +435,8 @@ class Renderer:
                 yield
         if shadows is None:
             return
+        places = sample_offsets(frame.scene.spp)
+        sample = places.index(offset), len(places)
         lookouts = [(shadows, buffer, method)]
         bounces = around is not None and self._bounces(frame)
         if around is not None:
@@ -444,14 +446,12 @@ class Renderer:
                 one.integrate(means)
                 self.ctx.finish()
                 yield
-            one.look(target, means)
+            one.look(target, means, sample)
             if in_bands:
                 self.ctx.finish()
                 yield
             if not hurry:
-                places = sample_offsets(frame.scene.spp)
-                sample = places.index(offset), len(places)
-                for _ in one.edges(target, sample, *([SLICE] if in_bands else [])):
+                for _ in one.edges(target, *([SLICE] if in_bands else [])):
                     if in_bands:
                         yield
         if bounces:

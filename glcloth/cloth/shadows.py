@@ -63,6 +63,7 @@ class Shadows:
         self._beside: Beside | None = None
         self._structure = self._lights = None
         self._mode: Mode = "off"
+        self._sample = 0, 1
         self._edge_data = TextureBuffer(ctx, 16)
         self._filled: dict[GBuffer, tuple] = {}
         self._looked: dict[GBuffer, int] = {}  # up to which tile narrow Gaussians were looked into from its pixels
@@ -131,8 +132,12 @@ class Shadows:
             broad = None if method is None else getattr(method, "broad", none)
             self.vertices.integrate(self._lights, broad, self.over_ground)
 
-    def look(self, buffer: GBuffer, method) -> None:
-        """Fill the layers of what the pixels of a G-buffer see, as it is drawn now; nothing when they hold just that."""
+    def look(self, buffer: GBuffer, method, sample: tuple[int, int] = (0, 1)) -> None:
+        """Fill the layers of what the pixels of a G-buffer see, as it is drawn now; nothing when they hold just that.
+
+        `sample` is the number of the sample in the pixel, and how many there are: `edges` shares its rays among them.
+        """
+        self._sample = sample
         lights = self._lights
         full = self._mode == "full"
         count = len(lights.gaussians)
@@ -146,7 +151,8 @@ class Shadows:
         self.integrate(method)
         seen = buffer.reserve_seen(sun_layer + -(-len(lights.suns) // 4))
         self._seen = seen
-        state = buffer.drawn, self._mode, self._structure, self._others, seen, self.vertices.version if full else 0
+        version = self.vertices.version if full else 0
+        state = buffer.drawn, sample, self._mode, self._structure, self._others, seen, version
         before = self._filled.get(buffer)
         # Lights have no truth value for ==; they are frozen, so the same object is the same light.
         if before is not None and before[0] is lights and before[1] == state:
@@ -176,13 +182,12 @@ class Shadows:
             self._run(program, buffer, sun_count=len(suns), first_layer=sun_layer)
         self.ctx.memory_barrier()
 
-    def edges(self, buffer: GBuffer, sample: tuple[int, int] = (0, 1), seconds: float = PATIENCE) -> Iterator[int]:
+    def edges(self, buffer: GBuffer, seconds: float = PATIENCE) -> Iterator[int]:
         """Look into the narrow Gaussians again, from those pixels of a G-buffer that was looked at whose triangles' corners
         do not agree on what they see of them. Does nothing where that is done, or poses are followed.
 
         Parameters
         ----------
-        sample : number of the sample in the pixel, and how many there are: they share the rays
         seconds : of work, about, between two yields
 
         Yields how many tiles of the picture are done.
@@ -193,7 +198,7 @@ class Shadows:
         if self._mode != "full" or self.follow or not len(narrow) or first >= width * height:
             return
         program = self._program("visibility_narrow", {"accel.glsl": self._structure.source})
-        fours = self._upload_edges(narrow, sample)
+        fours = self._upload_edges(narrow, self._sample)
         count = FEWEST_TILES
         while first < width * height:
             begin = time.perf_counter()
