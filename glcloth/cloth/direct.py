@@ -258,7 +258,9 @@ class Direct:
         self._keys["view"] = fabric, key
         groups, lanes, _ = self._variant
         record = self._lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
-        self._view.make(self._broad_levels, _defines(groups, lanes, True), self._bind_fabric, record)
+        self._view.make(
+            schedule.view_size, self._broad_levels, _defines(groups, lanes, True), self._bind_fabric, record
+        )
 
     def _set_fabric(self, fabric: Fabric, pooled: bool) -> None:
         tangents = fabric.tangents

@@ -20,6 +20,7 @@ class Schedule:
     sharper : sharpness, for linen's lobes of 12 degrees, below which level 1, 2, ... of the ladder is used
     shift : levels added to that
     theta_count, phi_pairs : nodes of the pooled lobes of a tangent: in theta, and pairs in phi
+    view_size : texels a side of the table over omega_o
     pooled_ratio : how many times the width 2 gamma of a lobe sigma must be for its Gaussian to be pooled
     """
 
@@ -27,6 +28,7 @@ class Schedule:
     shift: int = 0
     theta_count: int = 3
     phi_pairs: int = 3
+    view_size: int = 49
     pooled_ratio: tuple[float, float] = (0.7, 0.9)
 
 
@@ -34,7 +36,7 @@ SCHEDULES = {
     "draft": Schedule(sharper=(120.0, 8.0, 2.5), theta_count=2),
     "normal": Schedule(),
     "high": Schedule(
-        sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, theta_count=5, phi_pairs=6, pooled_ratio=(0.6, 0.8)
+        sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, theta_count=5, phi_pairs=6, view_size=97, pooled_ratio=(0.6, 0.8)
     ),
 }
 

@@ -12,9 +12,6 @@ from ..gpu import TextureBuffer
 from . import broad_nodes
 
 BASIS_UNIT, FIXED_UNIT = 11, 12  # of passes/view_table.comp
-# Texels a side; method_direct.glsl says the same. Odd, so that the planes of the yarns, where upright tangents turn out of
-# sight, lie on texels.
-SIZE = 49
 BLOCK = 16  # directions that one invocation of passes/view_table.comp makes
 
 
@@ -31,11 +28,12 @@ class ViewTable:
         """Bind the table."""
         self._texture.use(unit)
 
-    def make(self, levels: list, defines: dict, bind: Callable, record: np.ndarray) -> None:
+    def make(self, size: int, levels: list, defines: dict, bind: Callable, record: np.ndarray) -> None:
         """Make the table.
 
         Parameters
         ----------
+        size : texels a side, odd, so that the planes of the yarns, where upright tangents turn out of sight, lie on texels
         levels : of `broad_nodes.levels`; none: nothing is looked up, and what is there already serves
         defines : how the tangents are packed (cloth/direct.py)
         bind : gives a program the method's uniforms and the nodes of its lobes
@@ -44,6 +42,8 @@ class ViewTable:
         if not levels and self._texture is not None:
             return
         self._choose(levels or [(0, 1.0)])
+        if self._texture is None or self._texture.width != size or self._texture.layers < self._count:
+            self._texture = self._array(self._texture, size, self._count)
         key = tuple(sorted(defines.items()))
         if key not in self.programs:
             self.programs[key] = shader.compute(self.ctx, "passes/view_table.comp", defines)
@@ -55,7 +55,7 @@ class ViewTable:
         self._fixed_data.bind(FIXED_UNIT)
         self._basis_map.use(BASIS_UNIT)
         self._texture.bind_to_image(0, read=False, write=True)
-        tiles = -(-SIZE // 8)
+        tiles = -(-size // 8)
         program.run(tiles, tiles, self._count // BLOCK)
         self.ctx.memory_barrier(moderngl.TEXTURE_FETCH_BARRIER_BIT)
 
@@ -71,11 +71,12 @@ class ViewTable:
         self._fixed, self._count = weights.shape
         self._fixed_data.write(np.concatenate([omega.ravel(), weights.ravel()]).reshape(-1, 4).astype("f4"))
         maps = np.concatenate([part * broad_nodes.basis_map(level) for level, part in levels]).astype("f4")
-        self._basis_map = self._array(broad_nodes.BASIS_SIZE, len(maps), maps.tobytes())
-        if self._texture is None or self._texture.layers < self._count:
-            self._texture = self._array(SIZE, self._count)
+        self._basis_map = self._array(self._basis_map, broad_nodes.BASIS_SIZE, len(maps), maps.tobytes())
 
-    def _array(self, size: int, layers: int, data: bytes | None = None) -> moderngl.TextureArray:
+    def _array(self, old, size: int, layers: int, data: bytes | None = None) -> moderngl.TextureArray:
+        """A texture array in place of an old one."""
+        if old is not None:
+            old.release()
         texture = self.ctx.texture_array((size, size, layers), 4, data, dtype="f4")
         texture.filter = moderngl.LINEAR, moderngl.LINEAR
         texture.repeat_x = texture.repeat_y = False

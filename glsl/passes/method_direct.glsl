@@ -11,7 +11,6 @@
 const int NODE_COLUMNS = 64;   // glcloth/cloth/gaussian_nodes.py says the same
 const int ENTRY_TEXELS = 6;    // glcloth/cloth/direct.py says the same
 const float MAP_SIZE = 160.0;   // glcloth/cloth/direct.py says the same
-const float VIEW_SIZE = 49.0;   // glcloth/cloth/view_table.py says the same
 
 layout(binding = 8) uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean
 layout(binding = 9) uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule, or sun
@@ -120,7 +119,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
 
 vec3 L_broad(vec3 omega_o, mat3 surface_from_world) {
     vec3 L = vec3(0.0);
-    vec2 place = 0.5 + (0.5 - 0.5 / VIEW_SIZE) * to_disk(omega_o);
+    vec2 place = 0.5 + (0.5 - 0.5 / float(textureSize(view_table, 0).x)) * to_disk(omega_o);
     int j = 0;
     do {
         vec3 omega = texelFetch(node_data, broad_nodes.x + j).xyz;
