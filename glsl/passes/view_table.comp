@@ -60,8 +60,11 @@ void main() {
     ivec3 at = ivec3(gl_GlobalInvocationID);
     ivec2 size = imageSize(view_table).xy;
     if (any(greaterThanEqual(at.xy, size))) return;
+    vec2 p = 2.0 * vec2(at.xy) / vec2(size - 1) - 1.0;
+    // Two texels beyond the horizon nothing is read.
+    if (length(p) > 1.0 + 4.0 / float(size.x - 1)) return;
     block = at.z;
-    vec3 omega_o = from_disk(2.0 * vec2(at.xy) / vec2(size - 1) - 1.0);
+    vec3 omega_o = from_disk(p);
     omega_o = normalize(vec3(omega_o.xy, max(omega_o.z, 1e-3)));
     c_0 = c_1 = c_2 = c_3 = mat4x3(0.0);
     see(omega_o);
