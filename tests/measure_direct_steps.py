@@ -14,7 +14,7 @@ import moderngl
 import numpy as np
 from golden import golden_fabrics, luminance_errors
 
-from glcloth.cloth import broad_nodes, gaussian_nodes, schedule
+from glcloth.cloth import broad_nodes, direct, gaussian_nodes, schedule
 from glcloth.fabric import Fabric
 from glcloth.lights import SphericalGaussians
 from glcloth.renderer import Renderer
@@ -54,6 +54,7 @@ VARIANTS = {
     "as it is": None,
     "square rules": (gaussian_nodes, {"LADDER": SQUARE}),
     "every Gaussian its own nodes": (schedule, {"BROAD_SHARPNESS": (1e-9, 2e-9)}),
+    "Gaussians below the horizon not left out": (direct, {"NO_LIGHT": 1e-300}),
     "no pooled lobes": (schedule, {"pooled_lobes": none_pooled}),
     "nodes do not widen the lobes": (
         schedule,
