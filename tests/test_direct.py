@@ -382,8 +382,8 @@ def test_edits_compile_nothing_and_cost_little(renderer):
         assert renderer.program("passes/radiance.comp", method) is program
         assert before is None or not np.array_equal(value, before), "an edit showed nothing"
         before = value
-    # 5 ms on an idle machine; here others may run.
-    assert np.median(cost) < 0.005 and np.quantile(cost, 0.9) < 0.015, cost
+    # 3 ms, and at most 7 for nine of ten, where this was written; this is to notice tens.
+    assert np.median(cost) < 0.02 and np.quantile(cost, 0.9) < 0.05, cost
 
 
 def test_defines_are_among_the_variants(renderer):
