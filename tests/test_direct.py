@@ -227,17 +227,21 @@ def test_broad_gaussians_by_brute_force(renderer, name):
 
 
 def test_light_adds_up(renderer):
-    """Twice the radiance is twice the result, and the parts of a sky add up to the whole."""
+    """Twice the radiance is twice the result, and the parts of a sky add up to the whole.
+
+    Exactly so among the others, as dark ones; alone the broad ones are looked up at fewer directions, within its error.
+    """
     lights, omega_o = sky(), directions_up(40)
     whole = renderer.radiance("silk_shot", omega_o, lights)
     g = lights.gaussians
-    parts = [
-        renderer.radiance(
-            "silk_shot", omega_o, SphericalGaussians(g.axis[i : i + 1], g.sharpness[i : i + 1], g.amplitude[i : i + 1])
-        )
-        for i in range(len(g))
-    ]
-    assert np.allclose(sum(parts), whole, rtol=5e-3, atol=1e-6)  # fewer directions serve broader light
+    among, alone = [], []
+    for i in range(len(g)):
+        only = np.where(np.arange(len(g))[:, None] == i, g.amplitude, 0.0)
+        among.append(renderer.radiance("silk_shot", omega_o, SphericalGaussians(g.axis, g.sharpness, only)))
+        one = SphericalGaussians(g.axis[i : i + 1], g.sharpness[i : i + 1], g.amplitude[i : i + 1])
+        alone.append(renderer.radiance("silk_shot", omega_o, one))
+    assert np.allclose(sum(among), whole, rtol=1e-4, atol=1e-6)
+    assert np.allclose(sum(alone), whole, rtol=1.5e-3, atol=1e-6)
     assert np.allclose(
         renderer.radiance("silk_shot", omega_o, SphericalGaussians(g.axis, g.sharpness, 2 * g.amplitude)),
         2 * whole,
@@ -382,8 +386,8 @@ def test_edits_compile_nothing_and_cost_little(renderer):
         assert renderer.program("passes/radiance.comp", method) is program
         assert before is None or not np.array_equal(value, before), "an edit showed nothing"
         before = value
-    # 3 ms, and at most 7 for nine of ten, where this was written; this is to notice tens.
-    assert np.median(cost) < 0.02 and np.quantile(cost, 0.9) < 0.05, cost
+    # 5 ms on an idle machine; here others may run.
+    assert np.median(cost) < 0.005 and np.quantile(cost, 0.9) < 0.015, cost
 
 
 def test_defines_are_among_the_variants(renderer):

@@ -182,7 +182,7 @@ class Direct:
         gammas = np.array([lobes[0].gamma_s, lobes[1].gamma_s, lobes[0].gamma_v, lobes[1].gamma_v])
         own = np.array([lobes[0].share_s, lobes[1].share_s, lobes[0].share_v, lobes[1].share_v])
         k_d = np.array([0.0, 0.0, fabric.yarn[0].k_d, fabric.yarn[1].k_d])
-        kept = np.stack([plan.kept_share(level, sharpness, gamma) for gamma in gammas], -1)
+        kept = plan.kept_share(level, sharpness[:, None], gammas)
         variance = 1.0 / (sharpness + plan.CUT_SHARPNESS)
         # Of theta_i + theta_o = 2 theta_h; the little Gaussian of a node widens the lobe.
         width2 = 4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None]

@@ -132,6 +132,7 @@ def levels(schedule: Schedule, sharpness: float, pooled: float, lobes: tuple[Lob
     """
     x, scale = np.log(max(sharpness, 1e-9)), np.log(_scale(pooled, lobes))
     # A single node sees the lobe exactly; it is W, which varies alike in all fabrics, that asks for more.
-    edges = [np.log(t) + (scale if i else 0.75 * scale) for i, t in enumerate(schedule.sharper)]
-    height = sum(1.0 - float(smoothstep(edge - BLEND, edge + BLEND, x)) for edge in edges)
+    edges = np.log(schedule.sharper) + scale
+    edges[0] -= 0.25 * scale
+    height = float((1.0 - smoothstep(edges - BLEND, edges + BLEND, x)).sum())
     return _two_levels(height + schedule.shift)
