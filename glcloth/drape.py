@@ -22,6 +22,7 @@ from .shapes import grid_triangles
 from .simulation import Box, Cloth, ClothParameters, Sphere, Wind
 
 SIZE = 1.6  # m, side of the cloth
+CLOTH = {"mass": 0.15, "stretch": 1e4, "bending": 4e-5, "friction": 0.5}  # falling, and in the wind
 TURN_DEG = 42.0  # of the cloth on the table
 SOLIDS = (Box(*TABLE), Sphere(*BALL))
 CENTER = (0.03, 0.36, 0.2)  # m, of the flat cloth before it falls
@@ -51,10 +52,7 @@ def drape(ctx: moderngl.Context, vertices: int = 168, samples: int = 150, second
     flat = CENTER + side[None, :, None] * along_u - side[:, None, None] * along_v
     falling = ClothParameters(
         spacing=(spacing, spacing),
-        mass=0.15,
-        stretch=1e4,
-        bending=4e-5,
-        friction=0.5,
+        **CLOTH,
         damping=1.5,
         gap=1.05 * spacing,
         substeps=20,
@@ -140,10 +138,7 @@ class Swaying:
         spacing = SIZE / (side - 1)
         parameters = ClothParameters(
             spacing=(spacing, spacing),
-            mass=0.15,
-            stretch=1e4,
-            bending=4e-5,
-            friction=0.5,
+            **CLOTH,
             damping=0.6,
             gap=spacing,
             speed_limit=5.0,

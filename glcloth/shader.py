@@ -88,6 +88,28 @@ def compute(ctx, path: str, defines: Mapping[str, object] | None = None, virtual
         raise ShaderError(explain(str(error), where)) from None
 
 
+class Computes:
+    """The compute programs of passes by name, each compiled when it is first asked for; they count nothing."""
+
+    def __init__(self, ctx):
+        self.ctx = ctx
+        self._programs: dict[tuple, object] = {}
+
+    def __call__(self, name: str, virtual: Mapping[str, str] | None = None):
+        """The program of passes/<name>.comp; `virtual` as in `flatten`. Raises ShaderError."""
+        key = name, *(virtual or {}).values()
+        if key not in self._programs:
+            virtual = {"count.glsl": "passes/count_none.glsl", **(virtual or {})}
+            self._programs[key] = compute(self.ctx, f"passes/{name}.comp", None, virtual)
+        return self._programs[key]
+
+    def release(self) -> None:
+        """Free the programs."""
+        for one in self._programs.values():
+            one.release()
+        self._programs.clear()
+
+
 def program(
     ctx,
     vertex: str,

@@ -36,7 +36,7 @@ class Gather:
         self._sums = TextureBuffer(ctx, 16)
         self._reflectances = TextureBuffer(ctx, 16)
         self._means: dict[Shadows, TextureBuffer] = {}
-        self._programs: dict[tuple, object] = {}
+        self._program = shader.Computes(ctx)
         self._pictures: dict[GBuffer, list] = {}  # texture, what it holds
         self._state: tuple | None = None
         self._views: list | None = None  # directions of light, texture, fabric
@@ -136,10 +136,3 @@ class Gather:
             self.ctx.memory_barrier()
             self._views[2] = fabric
         texture.use(VIEWS_UNIT)
-
-    def _program(self, name: str, virtual: dict | None = None):
-        key = name, *(virtual or {}).values()
-        if key not in self._programs:
-            virtual = {"count.glsl": "passes/count_none.glsl", **(virtual or {})}
-            self._programs[key] = shader.compute(self.ctx, f"passes/{name}.comp", None, virtual)
-        return self._programs[key]

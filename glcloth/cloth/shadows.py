@@ -56,7 +56,7 @@ class Shadows:
         """`steepness`: see `VertexVisibility`."""
         self.ctx = ctx
         self.vertices = VertexVisibility(ctx, steepness)
-        self._programs: dict[tuple, object] = {}
+        self._program = shader.Computes(ctx)
         self._sun_data = TextureBuffer(ctx, 16)
         self._meshes: tuple[Mesh, ...] = ()  # that was looked out from, and the others that hide light
         self.follow = self.over_ground = False
@@ -282,13 +282,6 @@ class Shadows:
         return self._furnace[1]
 
     # -- the machinery -----------------------------------------------------------------------------------------------
-
-    def _program(self, name: str, virtual: dict | None = None):
-        key = name, *(virtual or {}).values()
-        if key not in self._programs:
-            virtual = {"count.glsl": "passes/count_none.glsl", **(virtual or {})}
-            self._programs[key] = shader.compute(self.ctx, f"passes/{name}.comp", None, virtual)
-        return self._programs[key]
 
     def _run(self, program, buffer: GBuffer, **uniforms) -> None:
         shader.set_uniforms(program, **uniforms)

@@ -44,7 +44,7 @@ class VertexVisibility:
         self.done = self.groups = 0
         self.version = 0  # of the means: changes when they do
         self.probes: Probes | None = None
-        self._programs: dict[tuple, object] = {}
+        self._program = shader.Computes(ctx)
         self._queries = RayQueries(ctx)
         self._probe_data = TextureBuffer(ctx, 32)
         self._x_data = TextureBuffer(ctx, 16)
@@ -154,7 +154,9 @@ class VertexVisibility:
     def _trace(self, first: int, last: int) -> None:
         """Trace directions number first to last - 1 of every class, all in one word of bits."""
         remembered = self.places is not None and last <= self.share
-        program = self._program("hits" if remembered else "trace", {"accel.glsl": self._structure.source})
+        program = self._program(
+            "visibility_hits" if remembered else "visibility_trace", {"accel.glsl": self._structure.source}
+        )
         self._structure.bind(program)
         if remembered:
             self.places.bind(program, 10, 13)
@@ -242,7 +244,9 @@ class VertexVisibility:
         for unit, buffer in enumerate((self._bits, self._entries, self._probe_data, self._ranges), 9):
             buffer.bind(unit)
         self._sums.buffer.bind_to_storage_buffer(0)
-        self._run_classes(self._program("mean"), first_broad, group_count=self.groups, steepness=self.steepness)
+        self._run_classes(
+            self._program("visibility_mean"), first_broad, group_count=self.groups, steepness=self.steepness
+        )
         self.ctx.memory_barrier()
         sums = sum(table.sum(0) for table in tables)
         if broad is not None:
@@ -251,7 +255,7 @@ class VertexVisibility:
             sums[top_number(len(lights.gaussians))] = BROAD_PART * there
             self.ctx.memory_barrier()
         self._least.write(np.where(sums > 0.0, LEAST * sums, 1.0).astype("f4"))
-        program = self._program("spread")
+        program = self._program("visibility_spread")
         for unit, buffer in enumerate((self._sums, self._row_data, self._spread_data, self._least), 9):
             buffer.bind(unit)
         self.means.buffer.bind_to_storage_buffer(0)
@@ -306,7 +310,7 @@ class VertexVisibility:
         for unit, buffer in enumerate((self._bits, self._light_data, self._probe_data, self._x_data), 9):
             buffer.bind(unit)
         self._run_classes(
-            self._program("broad"),
+            self._program("visibility_broad"),
             group=first_broad,
             top_number=top_number(len(gaussians)),
             group_count=self.groups,
@@ -353,13 +357,6 @@ class VertexVisibility:
 
     # -- the machinery -----------------------------------------------------------------------------------------------
 
-    def _program(self, stage: str, virtual: dict | None = None):
-        key = stage, *(virtual or {}).values()
-        if key not in self._programs:
-            virtual = {"count.glsl": "passes/count_none.glsl", **(virtual or {})}
-            self._programs[key] = shader.compute(self.ctx, f"passes/visibility_{stage}.comp", None, virtual)
-        return self._programs[key]
-
     def _run_classes(self, program, layers: int = 1, **uniforms) -> None:
         """Run a program for all probes of all classes, `layers` times."""
         first = self.probes.first
@@ -382,7 +379,7 @@ class VertexVisibility:
             self._direction_data,
             self._hits,
         )
-        for thing in (*buffers, self._sums, self.means, self._queries, *self._programs.values()):
+        for thing in (*buffers, self._sums, self.means, self._queries, self._program):
             thing.release()
 
 
