@@ -17,7 +17,7 @@ from glcloth.mesh import BALL, PLINTH, TABLE, build_mesh, load_mesh, load_solid
 from glcloth.objects import RINGS, SECTORS, Ground, Objects, stand_on
 from glcloth.reference.ground import ground_place
 from glcloth.reference.lambert import gaussian_irradiance
-from glcloth.scene import load_scene
+from glcloth.scene import Scene, load_scene
 from glcloth.window.sharing import as_command, as_python
 
 COLOR = (0.4, 0.3, 0.2)
@@ -317,3 +317,12 @@ def test_a_ground_stays_while_the_cloth_moves(renderer):
     finally:
         renderer.follow_poses(False)
     assert second is first
+
+
+@pytest.mark.parametrize("method", ["direct", "paper", "reference"])
+def test_a_cloth_alone_is_the_same_to_the_bit_after_others_stood_about_it(renderer, method):
+    scene = Scene(method=method, size=(40, 30), mesh="sphere", cube=4, grid=12)
+    alone = renderer.render(scene)
+    among = renderer.render(scene, ground="auto", objects=("plane",))
+    assert not np.array_equal(among, alone)
+    assert np.array_equal(renderer.render(scene), alone)
