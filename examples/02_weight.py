@@ -12,8 +12,8 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import glcloth
-from glcloth.reference.cloth import terms
-from glcloth.reference.frame import tangent_axes
+from glcloth.twins.cloth import terms
+from glcloth.twins.frame import tangent_axes
 
 path = sys.argv[1] if len(sys.argv) > 1 else "out/02_weight.png"
 fabric = glcloth.load_fabric("linen")

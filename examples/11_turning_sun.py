@@ -9,10 +9,11 @@ from pathlib import Path
 import numpy as np
 
 import glcloth
-from glcloth import animate, progress
-from glcloth.curtain.cloth import CurtainParameters, CurtainSimulation
-from glcloth.environment import load_environment
-from glcloth.fit import fit_lights
+from glcloth import progress
+from glcloth.curtain.hanging import CurtainParameters, CurtainSimulation
+from glcloth.light.environment import load_environment
+from glcloth.light.fit import fit_lights
+from glcloth.picture import sequence as animate
 
 path = sys.argv[1] if len(sys.argv) > 1 else "out/11_turning_sun.mp4"
 size = sys.argv[2] if len(sys.argv) > 2 else "320x240"

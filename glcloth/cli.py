@@ -100,9 +100,7 @@ def _scene(name: str | None, options: SceneOptions | None):
     changes = options.changes() if options else {}
     curtain = None
     if name and name not in builtin_scenes():
-        from .curtain.show import (
-            load_curtain_scene,  # only now: it brings OpenGL, and a wrong option should fail at once
-        )
+        from .curtain.show import load_curtain_scene
 
         curtain = load_curtain_scene(name)
     if curtain is None:
@@ -173,7 +171,7 @@ def render(
         Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
     """
     from .image import check_output, write_image
-    from .renderer import Renderer
+    from .picture.renderer import Renderer
     from .scene import Scene
 
     chosen = _scene(scene, options)
@@ -213,8 +211,8 @@ def render(
 def _render_curtain(scene, output: Path, number: int, show_tree, layers: bool, device, json: bool) -> None:
     import numpy as np
 
-    from .context import create_context
     from .curtain.show import CurtainShow
+    from .gpu.context import create_context
     from .image import write_image
 
     number = 48 if number is None else number
@@ -268,13 +266,13 @@ def animate(
     scene
         Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
     """
-    from . import animate as sequence
-    from .context import create_context
     from .curtain.show import CurtainShow
-    from .drape import Swaying
-    from .mesh import load_mesh
-    from .renderer import Renderer
+    from .geometry.mesh import load_mesh
+    from .gpu.context import create_context
+    from .picture import sequence
+    from .picture.renderer import Renderer
     from .scene import Scene
+    from .simulation.drape import Swaying
 
     chosen, wind = _scene_to_animate(scene, options)
     if not isinstance(chosen, Scene) and (turntable or turn_env):
@@ -396,7 +394,7 @@ def tables(
     fabrics
         Built-in fabrics or .toml files.
     """
-    from .tables import main as make
+    from .methods.paper.tables import main as make
 
     make(fabrics, grid, contribution, output, json)
 
@@ -417,9 +415,9 @@ def env(
     file
         Built-in environment or an equirectangular .hdr or .exr file.
     """
-    from .environment import load_environment
-    from .fit import fit_picture, fit_report, save_lights
     from .image import write_image
+    from .light.environment import load_environment
+    from .light.fit import fit_picture, fit_report, save_lights
     from .scene import Scene
 
     count = Scene().changed(lobes=lobes).lobes
@@ -439,9 +437,9 @@ def env(
 @app.command
 def drape(*, output: Annotated[Path, _output("Mesh to write, .ply, .obj or .glb.")], device: Device = None) -> None:
     """Make the built-in cloth again by simulation: a sheet that falls over a sphere and a table's edge."""
-    from .context import create_context
-    from .drape import drape as simulate
-    from .mesh import SAVE_SUFFIXES, save_mesh
+    from .geometry.mesh import SAVE_SUFFIXES, save_mesh
+    from .gpu.context import create_context
+    from .simulation.drape import drape as simulate
 
     if output.suffix.lower() not in SAVE_SUFFIXES:
         raise InputError(f"{output}: cannot write {output.suffix or 'a file without suffix'}, expected {SAVE_SUFFIXES}")
@@ -495,7 +493,7 @@ def diff(
 @app.command
 def info(*, device: Device = None, json: Json = False) -> None:
     """Show versions, the GL renderer and its limits, devices, and the cache."""
-    from .bench import machine
+    from .bench.cloth import machine
 
     facts = machine(device)
     if json:
@@ -523,7 +521,7 @@ def bench_cloth(
     json: Json = False,
 ) -> None:
     """Frame times of the environment-lit methods in one run."""
-    from . import bench as measure
+    from .bench import cloth as measure
 
     scene = _scene(None, options)
     result = measure.cloth(scene, [m.strip() for m in methods.split(",")], frames, device)
@@ -544,7 +542,7 @@ def bench_tables(
     fabrics
         Default: all built-in fabrics.
     """
-    from .tables import bench as measure
+    from .methods.paper.tables import bench as measure
 
     result, lines = measure(fabrics, grid, contribution)
     _print(json, result, lines)
@@ -560,8 +558,8 @@ def bench_curtain(
     json: Json = False,
 ) -> None:
     """Simulation, build and trace of the moving curtain, 320x320 unless --size says otherwise."""
-    from .context import create_context
     from .curtain.show import bench_curtain as measure
+    from .gpu.context import create_context
 
     options = options or SceneOptions()
     options.size = options.size or "320x320"

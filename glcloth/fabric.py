@@ -221,7 +221,7 @@ class Fabric(_Value):
         return np.array(rows)
 
     def arrays(self) -> tuple:
-        """(yarns, tangents, weights, gap, sigma) as the functions of glcloth.reference take them."""
+        """(yarns, tangents, weights, gap, sigma) as the functions of glcloth.twins take them."""
         yarns = [
             {
                 "A": np.array(y.albedo),

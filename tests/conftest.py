@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from glcloth import progress
-from glcloth.context import create_context
+from glcloth.gpu.context import create_context
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = Path(os.environ.get("GLCLOTH_SHARED") or ROOT.parent / "shared")
@@ -42,7 +42,7 @@ def ctx(session_ctx):
 
 @pytest.fixture(scope="session")
 def session_renderer(session_ctx):
-    from glcloth.renderer import Renderer
+    from glcloth.picture.renderer import Renderer
 
     with session_ctx:
         yield Renderer(ctx=session_ctx)

@@ -35,7 +35,7 @@ def curtain_grid(columns, rows, time=0.0, pleats=7):
 
 
 def grid_triangles(vertices):
-    """The triangles [T, 3, 3] of a grid, as passes/gather_grid.comp cuts it."""
+    """The triangles [T, 3, 3] of a grid, as passes/accel/gather_grid.comp cuts it."""
     a, b, c, d = vertices[:-1, :-1], vertices[:-1, 1:], vertices[1:, :-1], vertices[1:, 1:]
     return np.stack([np.stack([a, c, b], 2), np.stack([b, c, d], 2)], 2).reshape(-1, 3, 3)
 

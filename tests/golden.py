@@ -4,7 +4,7 @@ import numpy as np
 
 from glcloth.color import luminance
 from glcloth.fabric import Fabric, Yarn
-from glcloth.lights import SphericalGaussians
+from glcloth.light.lights import SphericalGaussians
 
 
 def golden_fabrics(data, normalization):

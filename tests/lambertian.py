@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from glcloth.cloth.brute import Reference
 from glcloth.files import GLSL
+from glcloth.methods.reference import Reference
 
 BRDF = """
 uniform vec3 albedo;
@@ -12,7 +12,7 @@ vec3 f_cloth(vec3 omega_i, vec3 omega_o) {
     return min(omega_i.z, omega_o.z) <= 0.0 ? vec3(0.0) : albedo * omega_i.z / 3.14159265358979;
 }
 """
-FABRIC = '#include "passes/fabric.glsl"\n'
+FABRIC = '#include "inputs/picture/fabric.glsl"\n'
 ORIGIN = "vec3 origin = origin_at(ivec2(gl_FragCoord.xy));"
 # On the flat triangle, as other renderers start their rays, and off it by 1e-3 of its size.
 FLAT_ORIGIN = """

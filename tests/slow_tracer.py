@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from glcloth.curtain.energy import mean_albedo, reflection_limit
-from glcloth.reference import sheet
-from glcloth.reference.cloth import f_cloth
-from glcloth.reference.shading_frame import facing_normal, orthogonal_part
+from glcloth.tracing.energy import mean_albedo, reflection_limit
+from glcloth.twins import sheet
+from glcloth.twins.cloth import f_cloth
+from glcloth.twins.shading_frame import facing_normal, orthogonal_part
 
 FACING = 0.02
 OFF = 1e-4
@@ -66,7 +66,7 @@ def visible(origin, direction, distance, scene, fabric):
 
 
 def trace(origin, direction, scene, fabric, lighting, depth, cutoff, weight=None):
-    """Radiance [N, 3] along rays, as passes/trace_shade.comp puts it together."""
+    """Radiance [N, 3] along rays, as passes/tracing/shade.comp puts it together."""
     N = len(direction)
     origin = np.broadcast_to(origin, (N, 3))
     weight = np.ones((N, 3)) if weight is None else weight

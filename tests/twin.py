@@ -5,8 +5,8 @@ import re
 import moderngl
 import numpy as np
 
-from glcloth import shader
 from glcloth.files import GLSL
+from glcloth.gpu import shader
 
 # Of std430 arrays, in 4-byte words.
 STRIDE = {

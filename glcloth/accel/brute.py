@@ -13,7 +13,7 @@ class Brute:
     """The judge of the other structures, behind the same interface."""
 
     name = "brute"
-    source = "passes/accel_brute.glsl"
+    source = "inputs/accel/brute.glsl"
     settles = False
 
     def __init__(self, ctx):
@@ -27,7 +27,7 @@ class Brute:
         self._triangles = triangles
 
     def bind(self, program) -> None:
-        """Bind what passes/accel_brute.glsl reads."""
+        """Bind what inputs/accel/brute.glsl reads."""
         self._triangles.corners.bind(8)
         self._triangles.attributes.bind(9)
 

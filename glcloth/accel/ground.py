@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from .. import shader
+from ..gpu import shader
 
 
 class OverGround:
     """An `Lbvh` and the plane y = height, which is met from both sides; to passes that trace it is one structure.
 
-    What meets the plane has the number GROUND of passes/accel_lbvh_ground.glsl.
+    What meets the plane has the number GROUND of inputs/accel/lbvh_ground.glsl.
     """
 
-    source = "passes/accel_lbvh_ground.glsl"
+    source = "inputs/accel/lbvh_ground.glsl"
     settles = False
 
     def __init__(self, structure, height: float):
         self.structure, self.height = structure, float(height)
 
     def bind(self, program) -> None:
-        """Bind what passes/accel_lbvh_ground.glsl reads."""
+        """Bind what inputs/accel/lbvh_ground.glsl reads."""
         self.structure.bind(program)
         shader.set_uniforms(program, ground_height=self.height)
 

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .. import shader
 from ..errors import InputError
-from ..gpu import TextureBuffer
-from ..layout import shared
+from ..gpu import shader
+from ..gpu.buffers import TextureBuffer
+from ..gpu.layout import shared
 from .triangles import Triangles
 
 CONSTANTS, _ = shared("trace/shared.glsl")
@@ -78,7 +78,7 @@ class KdTree:
     """
 
     name = "kdtree"
-    source = "passes/accel_kdtree.glsl"
+    source = "inputs/accel/kdtree.glsl"
     settles = True
 
     def __init__(self, ctx, parameters: KdTreeParameters | None = None, room: float = 1.0):
@@ -301,7 +301,7 @@ class KdTree:
         if groups == 0:
             return
         if stage not in self._programs:
-            self._programs[stage] = shader.compute(self.ctx, f"passes/kdtree_{stage}.comp")
+            self._programs[stage] = shader.compute(self.ctx, f"passes/accel/kdtree_{stage}.comp")
         program = self._programs[stage]
         shader.set_uniforms(program, **uniforms)
         # One dimension holds 65,535 groups; the passes of one group a root count on in the second.
@@ -318,7 +318,7 @@ class KdTree:
     # -- tracing and looking -------------------------------------------------------------------------------------
 
     def bind(self, program) -> None:
-        """Bind what passes/accel_kdtree.glsl reads."""
+        """Bind what inputs/accel/kdtree.glsl reads."""
         self._buffers["tree_nodes"].bind(8)
         self._buffers["leaf_corners"].bind(9)
         shader.set_uniforms(program, scene_low=tuple(map(float, self.low)), scene_high=tuple(map(float, self.high)))

@@ -6,9 +6,9 @@ import time
 
 import numpy as np
 
-from .. import shader
-from ..gpu import TextureBuffer
-from ..layout import shared
+from ..gpu import shader
+from ..gpu.buffers import TextureBuffer
+from ..gpu.layout import shared
 from .triangles import Triangles
 
 CONSTANTS, _ = shared("trace/shared.glsl")
@@ -34,7 +34,7 @@ class Lbvh:
     """A bounding volume hierarchy of `Triangles` on the GPU, behind the same interface as KdTree."""
 
     name = "lbvh"
-    source = "passes/accel_lbvh.glsl"
+    source = "inputs/accel/lbvh.glsl"
     settles = False
 
     def __init__(self, ctx):
@@ -131,13 +131,13 @@ class Lbvh:
         if invocations <= 0:
             return
         if stage not in self._programs:
-            self._programs[stage] = shader.compute(self.ctx, f"passes/{stage}.comp")
+            self._programs[stage] = shader.compute(self.ctx, f"passes/accel/{stage}.comp")
         shader.set_uniforms(self._programs[stage], **uniforms)
         self._programs[stage].run(-(-invocations // group))
         self.ctx.memory_barrier()
 
     def bind(self, program) -> None:
-        """Bind what passes/accel_lbvh.glsl reads."""
+        """Bind what inputs/accel/lbvh.glsl reads."""
         self._buffers["bvh_nodes"].bind(8)
         self._buffers["leaf_corners"].bind(9)
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import moderngl
 import numpy as np
 
-from .. import shader
 from ..errors import InputError
-from ..gpu import TextureBuffer
+from ..gpu import shader
+from ..gpu.buffers import TextureBuffer
 from .brute import Brute
 from .kdtree import KdTree
 from .lbvh import Lbvh
@@ -57,10 +57,10 @@ class RayQueries:
         if key not in self._programs:
             virtual = {
                 "accel.glsl": structure.source,
-                "visit.glsl": f"passes/visit_{visit}.glsl",
-                "count.glsl": "passes/count_steps.glsl" if counted else "passes/count_none.glsl",
+                "visit.glsl": f"inputs/accel/visit_{visit}.glsl",
+                "count.glsl": "inputs/accel/count_steps.glsl" if counted else "inputs/accel/count_none.glsl",
             }
-            self._programs[key] = shader.compute(self.ctx, "passes/trace_rays.comp", None, virtual)
+            self._programs[key] = shader.compute(self.ctx, "passes/accel/rays.comp", None, virtual)
         return self._programs[key]
 
     def closest_hit(self, structure, origins, directions, t_min=0.0, t_max=np.inf, counted: bool = False) -> Hits:

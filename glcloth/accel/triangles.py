@@ -5,9 +5,9 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
-from .. import shader
-from ..gpu import TextureBuffer
-from ..reference.octahedron import octahedral
+from ..gpu import shader
+from ..gpu.buffers import TextureBuffer
+from ..twins.octahedron import octahedral
 
 # A ray's hit is off by a few units in the last place of the coordinates. Boxes are padded by more than that, so that a
 # triangle is also found from the cell on the other side of a plane that it touches.
@@ -110,7 +110,7 @@ class Triangles:
         self._join(first, np.tile([True, False], quads))
         assert first + 2 * quads <= self.count, f"{first} + {2 * quads} triangles, room for {self.count}"
         if self._gather is None:
-            self._gather = shader.compute(self.ctx, "passes/gather_grid.comp")
+            self._gather = shader.compute(self.ctx, "passes/accel/gather_grid.comp")
         for binding, buffer in enumerate((positions, normals, tangents, self.corners.buffer, self.attributes.buffer)):
             buffer.bind_to_storage_buffer(binding)
         shader.set_uniforms(self._gather, rows=rows, columns=columns, first=first, material=material)

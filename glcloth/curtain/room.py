@@ -16,8 +16,8 @@ import numpy as np
 
 from ..errors import InputError
 from ..files import PACKAGE, atomic_write
-from ..obj import read_obj_and_mtl
-from .cloth import CurtainParameters, pleated_rail
+from ..geometry.obj import read_obj_and_mtl
+from .hanging import CurtainParameters, pleated_rail
 
 ROOM = PACKAGE / "scenes" / "room.obj"
 # Diffuse reflectances, linear Rec. 709.

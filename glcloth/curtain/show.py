@@ -16,17 +16,17 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from ..accel.triangles import Triangles
-from ..camera import Camera
-from ..environment import Environment, load_environment
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
+from ..geometry.camera import Camera
 from ..image import read_settings
+from ..light.environment import Environment, load_environment
 from ..scene import View, ViewTransform
-from .cloth import CurtainParameters, CurtainSimulation
-from .lighting import Lamp, Lighting
+from ..tracing.lamp import Lamp, Lighting
+from ..tracing.tracer import BLOCK, Shot, Tracer, TraceSettings
+from ..tracing.tree_view import TreeContent, draw_tree
+from .hanging import CurtainParameters, CurtainSimulation
 from .room import ROOM, Room, load_room
-from .tracer import BLOCK, Shot, Tracer, TraceSettings
-from .tree_view import TreeContent, draw_tree
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree

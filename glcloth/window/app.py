@@ -12,9 +12,9 @@ import glfw
 import numpy as np
 
 from ..curtain.show import CurtainScene
-from ..environment import rotation_y
 from ..errors import InputError, ShaderError
-from ..renderer import Frame, Renderer
+from ..light.environment import rotation_y
+from ..picture.renderer import Frame, Renderer
 from ..scene import Scene
 from .curtain import Player
 from .files import Files, check_shown, frame_of

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_typ
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from ..curtain.cloth import CurtainParameters
+from ..curtain.hanging import CurtainParameters
 from ..curtain.show import CurtainScene
 from ..scene import Scene
 

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from .. import shader
 from ..curtain.show import CurtainScene, CurtainShow
-from ..environment import Environment
+from ..gpu import shader
+from ..light.environment import Environment
 from .refine import HALF_FROM, LADDER, Side
 from .slices import BUDGET, Slices
 
@@ -59,7 +59,7 @@ class Player(Slices):
         self._moving: Iterator[None] | None = None
         self._pace: dict[tuple, float] = {}
         self._targets: dict[str, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
-        self._copy = shader.program(ctx, "passes/screen.vert", "passes/traced.frag")
+        self._copy = shader.program(ctx, "passes/picture/screen.vert", "passes/window/traced.frag")
         self._array = ctx.vertex_array(self._copy, [])
         self._told: tuple | None = None
         self._last_frame = 0.0

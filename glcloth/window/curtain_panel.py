@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from imgui_bundle import imgui  # isort: skip
 
-from ..curtain.cloth import LIVE
+from ..curtain.hanging import LIVE
 from ..curtain.show import CurtainScene
 from ..fabric import builtin_fabrics
 from .controls import controls, curtain_controls

@@ -15,8 +15,8 @@ import moderngl
 import numpy as np
 from OpenGL import GL
 
-from ..context import REQUIRED, is_software
 from ..errors import NoOpenGLError
+from ..gpu.context import REQUIRED, is_software
 
 FONT = 16.0  # points
 
@@ -101,7 +101,7 @@ class Host:
         imgui.create_context()
         implot.create_context()
         imgui.get_io().set_ini_filename("")
-        imgui.get_io().config_debug_highlight_id_conflicts = False  # tests/window_walk.py looks for them
+        imgui.get_io().config_debug_highlight_id_conflicts = False  # tests/window/window_walk.py looks for them
         font = Path(imgui_bundle.__file__).parent / "assets" / "fonts" / "Roboto" / "Roboto-Regular.ttf"
         if font.is_file():
             imgui.get_io().fonts.add_font_from_file_ttf(str(font), FONT)

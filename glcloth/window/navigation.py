@@ -8,9 +8,9 @@ from imgui_bundle import imgui  # isort: skip
 import glfw
 import numpy as np
 
-from ..camera import Camera
-from ..mesh import Mesh
-from ..renderer import default_camera
+from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
+from ..picture.renderer import default_camera
 from ..scene import View
 from . import orbit
 

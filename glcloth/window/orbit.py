@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from pyrr import vector
 
-from ..camera import Camera
-from ..mesh import Mesh
+from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
 from ..scene import View
 
 POLE_DEG = 1.0  # the eye stays this far from straight above and below, where "up" ends

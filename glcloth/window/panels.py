@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 from imgui_bundle import imgui  # isort: skip
 
 from ..color import VIEW_TRANSFORMS
-from ..environment import BUILT_IN_NAMES
 from ..fabric import builtin_fabrics
-from ..fit import FABRICS
-from ..mesh import BUILTIN_MESHES
-from ..renderer import METHODS
+from ..geometry.mesh import BUILTIN_MESHES
+from ..light.environment import BUILT_IN_NAMES
+from ..light.fit import FABRICS
+from ..picture.renderer import METHODS
 from ..scene import Scene
 from .controls import Control, controls, scene_controls
 from .curtain_panel import CurtainPanel

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 
 import moderngl
 
-from .. import shader
-from ..cloth.visibility import FEWEST
-from ..renderer import Frame, Renderer
+from ..gpu import shader
+from ..picture.renderer import Frame, Renderer
+from ..visibility.vertices import FEWEST
 from .slices import BUDGET, Slices
 
 PREVIEW = 0.028  # seconds of shading a picture while something changes
@@ -53,7 +53,7 @@ class Refiner(Slices):
         self._shading = 0.0  # seconds that the last preview took, but for its G-buffer
         self._seconds_per_row: dict[tuple, float] = {}
         self._targets: dict[tuple, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
-        self._copy = shader.program(self.ctx, "passes/screen.vert", "passes/refine.frag")
+        self._copy = shader.program(self.ctx, "passes/picture/screen.vert", "passes/window/refine.frag")
         self._directions = 4  # of the shadows, at a time
 
     def show(self, frames: list[Frame]) -> None:

@@ -9,18 +9,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..curtain.energy import mean_albedo
 from ..curtain.show import CurtainScene
-from ..environment import Environment, load_environment, rotation_y
 from ..fabric import Fabric, load_fabric
-from ..fit import FitReport, fit_report, report_on
-from ..lights import Lights
-from ..lights_file import load_lights
-from ..mesh import Mesh, load_mesh
-from ..objects import Objects, arrange, load_solids
-from ..precompute import shapes_of
+from ..geometry.mesh import Mesh, load_mesh
+from ..geometry.props import Objects, arrange, load_solids
+from ..light.environment import Environment, load_environment, rotation_y
+from ..light.fit import FitReport, fit_report, report_on
+from ..light.lights import Lights
+from ..light.lights_file import load_lights
+from ..methods.paper.precompute import shapes_of
+from ..methods.paper.tables import tables_for
 from ..scene import Scene
-from ..tables import tables_for
+from ..tracing.energy import mean_albedo
 
 KEPT = 4  # results of each kind
 

@@ -7,8 +7,8 @@ from typing import Literal, NamedTuple
 import moderngl
 from OpenGL import GL
 
-from .. import shader
 from ..color import VIEW_TRANSFORMS
+from ..gpu import shader
 from .refine import Side
 
 Rectangle = tuple[int, int, int, int]  # left, bottom, width, height in pixels
@@ -27,7 +27,7 @@ class Screen:
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
-        self._encode = shader.program(ctx, "passes/screen.vert", "passes/display.frag")
+        self._encode = shader.program(ctx, "passes/picture/screen.vert", "passes/window/display.frag")
         self._array = ctx.vertex_array(self._encode, [])
         self._codes: list[tuple[moderngl.Texture, moderngl.Framebuffer] | None] = [None, None]
         self._keys: list[tuple | None] = [None, None]

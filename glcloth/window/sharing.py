@@ -14,7 +14,7 @@ from ..curtain.show import CurtainScene
 from ..errors import InputError
 from ..fabric import Fabric
 from ..image import read_settings
-from ..lights_file import FORMAT
+from ..light.lights_file import FORMAT
 from ..scene import Scene, View
 
 MESHES = (".obj", ".ply", ".glb", ".gltf")
@@ -137,7 +137,7 @@ def as_python(scene: Scene | CurtainScene, output: str = "picture.png", frame: i
     if isinstance(scene, CurtainScene):
         return (
             "import glcloth\n"
-            "from glcloth.context import create_context\n"
+            "from glcloth.gpu.context import create_context\n"
             "from glcloth.curtain.show import CurtainScene, CurtainShow\n\n"
             f"scene = CurtainScene.model_validate({literal})\n"
             "with CurtainShow(create_context(), scene) as show:\n"

@@ -10,9 +10,9 @@ import glfw
 import numpy as np
 from OpenGL import GL
 
-from ..camera import Camera
 from ..curtain.show import CurtainShow, hides
-from ..curtain.tree_view import TreeContent, TreePicture
+from ..geometry.camera import Camera
+from ..tracing.tree_view import TreeContent, TreePicture
 from . import orbit
 from .host import Host, context_hints
 from .refine import Side

@@ -1,5 +1,5 @@
 // Directions of the upper hemisphere as points of the unit disk, by stereographic projection from the nadir.
-// Twin: glcloth/reference/disk.py
+// Twin: glcloth/twins/disk.py
 
 // [own]  The point of a direction above the horizon, which is the unit circle.
 vec2 to_disk(vec3 omega) {

@@ -1,4 +1,4 @@
-// The equirectangular picture of the sphere, +Y up, as Mitsuba's `envmap`.   Twin: glcloth/reference/equirect.py
+// The equirectangular picture of the sphere, +Y up, as Mitsuba's `envmap`.   Twin: glcloth/twins/equirect.py
 #include "core/math.glsl"
 
 // [own]  (u, v) in [0, 1] of a unit direction: u = 1/4 along +x, 1/2 along +z; v = 0 at the zenith.

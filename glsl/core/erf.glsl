@@ -1,4 +1,4 @@
-// The error function, which GLSL lacks. Twin: glcloth/reference/erf.py
+// The error function, which GLSL lacks. Twin: glcloth/twins/erf.py
 
 // [own]  erf(x) = 2 / sqrt(pi) times the integral of exp(-t^2) from 0 to x, as x P(x^2) / Q(x^2): a minimax fit on
 // |x| <= 3.9, where 1 - erf is 4e-8. Absolute and relative error 4e-7 in single precision.

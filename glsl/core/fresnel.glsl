@@ -1,5 +1,5 @@
 // Fresnel reflectance by Schlick's approximation.   [Miz 12, Mat 4]
-// Twin: glcloth/reference/fresnel.py
+// Twin: glcloth/twins/fresnel.py
 #include "core/math.glsl"
 
 // [Miz 12]  F_0 = ((1 - eta) / (1 + eta))^2, the reflectance at normal incidence.

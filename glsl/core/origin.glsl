@@ -1,4 +1,4 @@
-// Where rays from a smooth-shaded triangle start.   Twin: glcloth/reference/origin.py
+// Where rays from a smooth-shaded triangle start.   Twin: glcloth/twins/origin.py
 
 // [own]  Barycentric coordinates of a point x in the plane of a triangle, kept within it; 1, 0, 0 where it has no area.
 vec3 barycentric(vec3 x, vec3 a, vec3 b, vec3 c) {

@@ -1,4 +1,4 @@
-// Frames of shading.   Twin: glcloth/reference/shading_frame.py
+// Frames of shading.   Twin: glcloth/twins/shading_frame.py
 
 // [own]  The smooth normal, bent just enough that its cosine to omega_o is `least`. At silhouettes interpolated normals
 // turn away from the viewer; a pixel that is seen cannot have its viewer below the horizon, or it would be black.

@@ -1,4 +1,4 @@
-// Constants and structs that Python and GLSL share; glcloth/layout.py reads this file, so it is the only place where
+// Constants and structs that Python and GLSL share; glcloth/gpu/layout.py reads this file, so it is the only place where
 // they are written. Keep to `const`, and to structs of plain fields (std430).
 
 const int MAX_TANGENTS = 32;  // distinct tangents of a fabric, both yarns together

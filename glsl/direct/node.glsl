@@ -1,5 +1,5 @@
 // Nodes of a spherical Gaussian: where they stand in its table, and their directions.   [own]
-// Twin: glcloth/reference/node.py
+// Twin: glcloth/twins/node.py
 #include "core/math.glsl"
 
 // [own]  The place in 0..1 of an axis at an angle from N, 0..pi, in tables that are dense about the horizon: over `width`

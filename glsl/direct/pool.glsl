@@ -1,5 +1,5 @@
 // Nodes on the narrow lobe of one tangent.   [own]
-// Twin: glcloth/reference/pool.py
+// Twin: glcloth/twins/pool.py
 #include "core/math.glsl"
 
 // [own]  The place in 0..1, in a table by mu = -theta_o, of the lobe about theta_i = mu; low and high are the ends of

@@ -1,5 +1,5 @@
 // The terms of the microcylinder model for four tangents at once, without angles.   [Miz 4-6]
-// A vec4 holds one value for each of four tangents. Twin: glcloth/reference/slots.py
+// A vec4 holds one value for each of four tangents. Twin: glcloth/twins/slots.py
 #include "core/math.glsl"
 
 // [Miz, below 6]  g(angle; 0, sigma) = exp(-angle^2 / sigma^2) by the angle's cosine. With x = 1 - cos(angle),

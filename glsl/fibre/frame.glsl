@@ -1,5 +1,5 @@
 // The frame of one tangent of a yarn.   [Miz section 1.2, facts of the model in SYMBOLS.md]
-// Surface frame: x = yarn 1, y = yarn 2, z = N. Twin: glcloth/reference/frame.py
+// Surface frame: x = yarn 1, y = yarn 2, z = N. Twin: glcloth/twins/frame.py
 
 // [own]  (omega . t, omega . b, omega . n) of a direction in the surface frame, for a tangent of yarn 0 or 1 that is
 // tilted by an angle toward -N:

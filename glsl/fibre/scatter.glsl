@@ -1,6 +1,6 @@
 // Scattering by one thread: surface and volume terms.   [Miz 5]
 // Directions are given in the tangent's frame, (omega . t, omega . b, omega . n), and point away from the surface.
-// Angles in radians. Twin: glcloth/reference/scatter.py
+// Angles in radians. Twin: glcloth/twins/scatter.py
 #include "core/math.glsl"
 #include "core/fresnel.glsl"
 

@@ -1,5 +1,5 @@
 // Shadowing-masking M and projected length P of one tangent; their quotient makes the weight W.   [Miz 6]
-// Directions are given in the tangent's frame, (omega . t, omega . b, omega . n). Twin: glcloth/reference/weight.py
+// Directions are given in the tangent's frame, (omega . t, omega . b, omega . n). Twin: glcloth/twins/weight.py
 #include "core/math.glsl"
 
 // [Miz, below 6]  D(x, y, z) = (1 - x) y z + x min(y, z): uncorrelated to correlated masking by x.

@@ -1,5 +1,5 @@
 // The integral over phi_i of a circular Gaussian, by which the table of T_l is scaled.   [Miz 14]
-// Twin: glcloth/reference/azimuth.py
+// Twin: glcloth/twins/azimuth.py
 #include "core/math.glsl"
 #include "core/erf.glsl"
 

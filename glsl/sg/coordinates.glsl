@@ -1,5 +1,5 @@
-// Where an angle or a sharpness lies in the paper method's tables; glcloth/precompute.py reads the constants.
-// Twin, with the inverse maps: glcloth/reference/coordinates.py
+// Where an angle or a sharpness lies in the paper method's tables; glcloth/methods/paper/precompute.py reads the constants.
+// Twin, with the inverse maps: glcloth/twins/coordinates.py
 #include "core/math.glsl"
 
 const int AZIMUTH_PHI_O = 48;          // nodes of T_l(phi_o, phi_k, kappa_prime)   [Miz 14, section 4]

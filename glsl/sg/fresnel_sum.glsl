@@ -1,6 +1,6 @@
 // Sums over the powers of cos(phi_d / 2) that Schlick's Fresnel term expands to.   [Miz 13, 15]
 // T_1, T_5, T_9: the integrals T_l of the powers 1-4, 5-8 and 9-12 (those above 10 count for nothing).
-// Twin: glcloth/reference/fresnel_sum.py
+// Twin: glcloth/twins/fresnel_sum.py
 
 // [Miz 13-15]  The surface term: F_r cos(phi_d / 2) = sum_l C_l cos(phi_d / 2)^(l + 1), l = 0..5,
 //   C_0 = 1, C_l = (1 - F_0) binom(5, l) (-cos theta_d)^l

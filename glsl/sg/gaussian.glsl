@@ -1,5 +1,5 @@
 // Circular Gaussians, given by their sharpness 2 / sigma^2.   [Miz 2, 17]
-// Twin: glcloth/reference/gaussian.py
+// Twin: glcloth/twins/gaussian.py
 
 // [Miz 17, erratum E1]  g_c(x; mu_1, sigma_1) g_c(x; mu_2, sigma_2) = alpha g_c(x; mu_3, sigma_3)
 // Returns (mu_3, sharpness_3, alpha). With d = mu_2 - mu_1 neither the angle nor the exponent subtracts large numbers.

@@ -1,6 +1,6 @@
 // Integrals of a piecewise linear function times Gaussians, in closed form.   [Miz below 16]
 // Three Gaussians at once, because the surface, volume and isotropic terms share their nodes.
-// Twin: glcloth/reference/segments.py
+// Twin: glcloth/twins/segments.py
 #include "core/math.glsl"
 #include "core/erf.glsl"
 

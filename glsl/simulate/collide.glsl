@@ -1,4 +1,4 @@
-// Signed distances to solids, and friction.  Twin: glcloth/reference/collide.py
+// Signed distances to solids, and friction.  Twin: glcloth/twins/collide.py
 // Each distance function returns (unit gradient, distance); outside is positive.
 
 // [own] Half space below the plane dot(normal, p) = offset.

@@ -1,7 +1,7 @@
 // The constraints of the cloth, after XPBD: Macklin, Mueller, Chentanez 2016, "XPBD: position-based simulation of
 // compliant constrained dynamics", eq. 18 with one iteration per substep, so that the multiplier starts from zero:
 //     lambda = -C / (sum_i w_i |grad_i C|^2 + alpha / h^2),   dx_i = w_i grad_i C lambda.
-// w is the inverse mass in 1/kg (0 = pinned), alpha_h2 = alpha / h^2 in 1/kg.  Twin: glcloth/reference/constraint.py
+// w is the inverse mass in 1/kg (0 = pinned), alpha_h2 = alpha / h^2 in 1/kg.  Twin: glcloth/twins/constraint.py
 
 // [own] Distance |p_1 - p_0| = rest with compliance alpha (m/N): returns n lambda, n = (p_1 - p_0) / |p_1 - p_0|.
 // dx_0 = -w_0 n lambda, dx_1 = w_1 n lambda.  Zero when the points coincide (no direction).

@@ -1,4 +1,4 @@
-// Contact of the cloth with itself, and the hash of its cells.  Twin: glcloth/reference/contact.py
+// Contact of the cloth with itself, and the hash of its cells.  Twin: glcloth/twins/contact.py
 #include "simulate/collide.glsl"
 
 // [own] Bucket of a cell (whole numbers as float, |cell| < 2^23) in a table of `size` (a power of two) buckets: the

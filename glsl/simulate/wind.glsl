@@ -1,4 +1,4 @@
-// Air on cloth: the drag of a triangle, and a gusty wind.  Twin: glcloth/reference/wind.py
+// Air on cloth: the drag of a triangle, and a gusty wind.  Twin: glcloth/twins/wind.py
 
 const float RHO_AIR = 1.225;  // kg/m^3, sea level, 15 degrees Celsius
 

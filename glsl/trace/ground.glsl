@@ -1,4 +1,4 @@
-// Where on the ground's rings of vertices a point lies; glcloth/objects.py lays them.   Twin: glcloth/reference/ground.py
+// Where on the ground's rings of vertices a point lies; glcloth/geometry/props.py lays them.   Twin: glcloth/twins/ground.py
 #include "core/math.glsl"
 
 const uint GROUND = 0x7fffffffu;  // its number as a triangle

@@ -1,4 +1,4 @@
-// Rays against boxes and triangles, and triangles against planes.   Twin: glcloth/reference/intersect.py
+// Rays against boxes and triangles, and triangles against planes.   Twin: glcloth/twins/intersect.py
 
 // [own]  1 / d; a component of 0 becomes so small that its slab is met at once or never, and no 0 * inf arises.
 vec3 safe_inverse(vec3 d) {

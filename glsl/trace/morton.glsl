@@ -1,4 +1,4 @@
-// Morton codes, and the tree that sorted codes span.   Twin: glcloth/reference/morton.py
+// Morton codes, and the tree that sorted codes span.   Twin: glcloth/twins/morton.py
 
 // [Karras 2012, "Maximizing parallelism in the construction of BVHs, octrees, and k-d trees"]  Ten bits, spread to every
 // third place.

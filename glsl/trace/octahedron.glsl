@@ -1,5 +1,5 @@
 // Unit vectors as points of a square.   [Cigolle et al. 2014, "A survey of efficient representations for unit vectors"]
-// Twin: glcloth/reference/octahedron.py
+// Twin: glcloth/twins/octahedron.py
 
 // [Cigolle 2014]  The point in [-1, 1]^2 of a vector of any length but 0: the octahedron unfolded.
 vec2 octahedral(vec3 n) {

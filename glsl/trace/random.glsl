@@ -1,4 +1,4 @@
-// Numbers that look random, and directions drawn with them.   Twin: glcloth/reference/random.py
+// Numbers that look random, and directions drawn with them.   Twin: glcloth/twins/random.py
 #include "core/math.glsl"
 #include "core/shading_frame.glsl"
 

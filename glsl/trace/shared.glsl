@@ -1,4 +1,4 @@
-// What the passes of the ray tracer and glcloth/curtain share; read by glcloth/layout.py.
+// What the passes of the ray tracer and glcloth/curtain share; read by glcloth/gpu/layout.py.
 
 // Counters of a build, one uint each.
 const int NODE_COUNT = 0;        // nodes made so far
@@ -23,7 +23,7 @@ const uint NO_TRIANGLE = 0xffffffffu;
 const uint SOLID = 0x80000000u;  // beside a triangle's number: it is not cloth
 const int BLOCK_WIDTH = 2;       // pixels whose rays a SIMD vector of eight takes together
 const int BLOCK_HEIGHT = 4;
-const int PART_SHARE = 32;       // rays that an invocation of passes/trace_sort.comp takes
+const int PART_SHARE = 32;       // rays that an invocation of passes/tracing/sort.comp takes
 const int STACK = 48;            // the deepest a tree may be: LARGE_LEVELS + SMALL_LEVELS
 const int LARGE_LEVELS = 28;
 const int SMALL_LEVELS = 20;

@@ -1,5 +1,5 @@
 // Where a large node of the kd-tree is split. A plane is (n, p): the points with dot(x, n) = p, n the unit vector of an
-// axis; dot(x, n) reads a component faster than x[axis] does.   [Zhou et al. 2008, section 3.1]   Twin: glcloth/reference/split.py
+// axis; dot(x, n) reads a component faster than x[axis] does.   [Zhou et al. 2008, section 3.1]   Twin: glcloth/twins/split.py
 
 // [own]  Where plane k of `count` lies in a box, as a fraction of it. Exact where count + 1 is a power of 2.
 float plane_fraction(int k, int count) {

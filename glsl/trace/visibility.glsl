@@ -1,4 +1,4 @@
-// What a point sees of its surroundings.   Twin: glcloth/reference/visibility.py
+// What a point sees of its surroundings.   Twin: glcloth/twins/visibility.py
 
 // [own]  How much a direction of the cosine z belongs to the horizon, to the band above it and to the top; they sum to 1.
 vec3 band_shares(float z) {

@@ -2,7 +2,7 @@
 // refraction through rough surfaces"]
 // Directions are unit and point away from the sheet, in a frame with z = N; omega_i.z > 0 is the light's side. `h` is the
 // half vector, turned to the light's side; eta_1 is the index on the light's side, eta_2 on the viewer's.
-// Twin: glcloth/reference/ggx.py
+// Twin: glcloth/twins/ggx.py
 #include "core/math.glsl"
 #include "core/fresnel.glsl"
 

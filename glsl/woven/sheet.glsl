@@ -1,7 +1,7 @@
 // A sheet of woven cloth: holes between the yarns, and light through the yarns.   [Mat 1]
 // Directions are unit and point away from the sheet, in the surface frame: x = yarn 1, y = yarn 2, z = N.
 //   L_out = k_a T_open L_direct + covered k_t exp(-tau') f_yarn E cos_nl,   covered = 1 - T_open, rho at normal incidence
-// Twin: glcloth/reference/sheet.py
+// Twin: glcloth/twins/sheet.py
 #include "core/math.glsl"
 #include "woven/ggx.glsl"
 

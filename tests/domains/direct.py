@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from glcloth.reference.slots import ANGLE_SERIES
+from glcloth.twins.slots import ANGLE_SERIES
 
 from . import DEG, between, directions, log_between
 

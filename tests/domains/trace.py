@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from glcloth.reference.visibility import packed_sums
+from glcloth.twins.visibility import packed_sums
 
 from . import between, choice, directions, directions_and_axes, vectors
 

@@ -1,0 +1,1 @@
+"""The ground on OpenGL: context, programs, buffers, the G-buffer."""

@@ -1,0 +1,114 @@
+"""Headless OpenGL contexts by EGL: device choice, Mesa's software rasteriser as fallback, a clear word when none works."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+# PyOpenGL serves the few calls that moderngl lacks (texture buffers); it must look for functions where moderngl does,
+# and its per-call error query would stall the pipeline.
+os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
+
+import moderngl
+import OpenGL
+
+from ..errors import InputError, NoOpenGLError
+
+OpenGL.ERROR_CHECKING = False
+OpenGL.ERROR_LOGGING = False
+OpenGL.CONTEXT_CHECKING = False
+
+REQUIRED = 430  # compute shaders and storage buffers: GLSL 4.30
+
+
+@dataclass(frozen=True)
+class Device:
+    """One EGL device as `glcloth info` lists it."""
+
+    index: int
+    renderer: str
+    version: str
+
+
+def create_context(device: int | None = None) -> moderngl.Context:
+    """Return a headless OpenGL >= 4.3 context.
+
+    Parameters
+    ----------
+    device : EGL device index (`glcloth info` lists them); None takes the first that works, the software one last
+
+    Raises InputError for a device index that does not exist, NoOpenGLError when nothing works: what was tried and
+    what to install.
+    """
+    tried: list[str] = []
+    if device is not None:
+        if device < 0:
+            raise InputError(f"--device {device}: expected 0 or more; `glcloth info` lists the devices")
+        ctx = _try(device, tried)
+        if ctx is None:
+            known = [d.index for d in list_devices()]
+            if known:
+                raise InputError(f"--device {device}: {tried[-1]}; devices that work here: {known}")
+            raise _failure(tried)
+        return ctx
+    best = None
+    for index in range(8):
+        ctx = _try(index, tried)
+        if ctx is None:
+            if tried and "no such device" in tried[-1]:
+                break
+            continue
+        if not is_software(ctx):
+            if best is not None:
+                best.release()
+            return ctx
+        if best is None:
+            best = ctx
+        else:
+            ctx.release()
+    if best is not None:
+        best.__enter__()
+        return best
+    # A broken hardware driver can hide Mesa's software rasteriser; ask for it by name.
+    os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+    ctx = _try(0, tried, "software rendering (LIBGL_ALWAYS_SOFTWARE=1)")
+    if ctx is None:
+        raise _failure(tried)
+    return ctx
+
+
+def list_devices() -> list[Device]:
+    """Return the EGL devices on which an OpenGL 4.3 context can be made."""
+    found = []
+    for index in range(8):
+        ctx = _try(index, [])
+        if ctx is not None:
+            found.append(Device(index, ctx.info["GL_RENDERER"], ctx.info["GL_VERSION"]))
+            ctx.release()
+    return found
+
+
+def is_software(ctx: moderngl.Context) -> bool:
+    """True on a software rasteriser (llvmpipe, softpipe, SwiftShader)."""
+    name = ctx.info["GL_RENDERER"].lower()
+    return any(word in name for word in ("llvmpipe", "softpipe", "swiftshader", "swrast"))
+
+
+def _try(index: int, tried: list[str], what: str | None = None) -> moderngl.Context | None:
+    what = what or f"EGL device {index}"
+    try:
+        return moderngl.create_context(standalone=True, require=REQUIRED, backend="egl", device_index=index)
+    except Exception as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        if "device_index" in reason or "requested device" in reason.lower() or "out of range" in reason.lower():
+            reason = f"no such device ({reason})"
+        tried.append(f"{what}: {reason}")
+        return None
+
+
+def _failure(tried: list[str]) -> NoOpenGLError:
+    return NoOpenGLError(
+        "no usable OpenGL 4.3: tried "
+        + "; ".join(dict.fromkeys(tried))
+        + "; install a driver, or Mesa's software rasteriser: apt-get install libegl1 libgl1 libgl1-mesa-dri"
+    )

@@ -1,0 +1,1 @@
+"""An environment map becomes lights: spherical Gaussians and suns."""

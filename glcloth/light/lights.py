@@ -1,0 +1,116 @@
+"""The lights of a scene as plain values: spherical Gaussians and directional suns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..errors import InputError
+
+
+def _frozen(array, dtype=np.float64) -> np.ndarray:
+    array = np.array(array, dtype)
+    array.setflags(write=False)
+    return array
+
+
+def _units(name: str, vectors: np.ndarray) -> np.ndarray:
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    if not np.all(np.isfinite(vectors)) or np.any(length < 1e-12):
+        raise InputError(f"lights: {name} has a zero or non-finite vector, expected directions; give unit vectors")
+    # A vector that is unit up to rounding stays as it is, so that saved lights read back bit for bit.
+    return np.where(np.abs(length - 1) < 1e-15, vectors, vectors / length)
+
+
+@dataclass(frozen=True)
+class SphericalGaussians:
+    """K spherical Gaussians: radiance(omega) = sum_k amplitude_k exp(sharpness_k (omega . axis_k - 1)).   [Miz 1, 7]
+
+    Parameters
+    ----------
+    axis : [K, 3] directions toward the light (normalised here)
+    sharpness : [K] 2 / sigma_k^2, >= 0
+    amplitude : [K, 3] linear Rec. 709 radiance at the axis
+
+    Raises InputError on wrong shapes, non-finite numbers or negative sharpness.
+    """
+
+    axis: np.ndarray
+    sharpness: np.ndarray
+    amplitude: np.ndarray
+
+    def __post_init__(self):
+        axis = np.asarray(self.axis, float).reshape(-1, 3) if np.size(self.axis) else np.zeros((0, 3))
+        sharpness = np.asarray(self.sharpness, float).reshape(-1)
+        amplitude = np.asarray(self.amplitude, float).reshape(-1, 3) if np.size(self.amplitude) else np.zeros((0, 3))
+        if not len(axis) == len(sharpness) == len(amplitude):
+            raise InputError(
+                f"spherical Gaussians: axis {axis.shape}, sharpness {sharpness.shape}, amplitude {amplitude.shape}, "
+                "expected [K, 3], [K], [K, 3] with one K"
+            )
+        if not (np.isfinite(sharpness).all() and np.isfinite(amplitude).all()) or (sharpness < 0).any():
+            raise InputError("spherical Gaussians: sharpness and amplitude must be finite and sharpness >= 0")
+        object.__setattr__(self, "axis", _frozen(_units("axis", axis)))
+        object.__setattr__(self, "sharpness", _frozen(sharpness))
+        object.__setattr__(self, "amplitude", _frozen(amplitude))
+
+    def __len__(self) -> int:
+        return len(self.sharpness)
+
+    def radiance(self, omega: np.ndarray) -> np.ndarray:
+        """Radiance [..., 3] from directions omega [..., 3] (unit)."""
+        cos = np.asarray(omega, float) @ self.axis.T
+        return np.exp(self.sharpness * (cos - 1.0)) @ self.amplitude
+
+    def rotated(self, rotation: np.ndarray) -> SphericalGaussians:
+        """The same lights turned by a rotation matrix [3, 3] (new axis = rotation @ axis)."""
+        return SphericalGaussians(self.axis @ np.asarray(rotation, float).T, self.sharpness, self.amplitude)
+
+
+@dataclass(frozen=True)
+class Suns:
+    """Directional lights.
+
+    Parameters
+    ----------
+    direction : [S, 3] toward each sun (normalised here)
+    irradiance : [S, 3] linear Rec. 709 irradiance on a surface that faces the sun
+    """
+
+    direction: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    irradiance: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+
+    def __post_init__(self):
+        direction = np.asarray(self.direction, float).reshape(-1, 3)
+        irradiance = np.asarray(self.irradiance, float).reshape(-1, 3)
+        if len(direction) != len(irradiance):
+            raise InputError(f"suns: {len(direction)} directions but {len(irradiance)} irradiances, expected as many")
+        if not np.isfinite(irradiance).all():
+            raise InputError("suns: irradiance must be finite")
+        object.__setattr__(self, "direction", _frozen(_units("direction", direction)))
+        object.__setattr__(self, "irradiance", _frozen(irradiance))
+
+    def __len__(self) -> int:
+        return len(self.irradiance)
+
+    def rotated(self, rotation: np.ndarray) -> Suns:
+        """The same suns turned by a rotation matrix [3, 3]."""
+        return Suns(self.direction @ np.asarray(rotation, float).T, self.irradiance)
+
+
+@dataclass(frozen=True)
+class Lights:
+    """All lights of a scene: K spherical Gaussians and a few suns. Every method takes both."""
+
+    gaussians: SphericalGaussians
+    suns: Suns = field(default_factory=Suns)
+
+    def rotated(self, rotation: np.ndarray) -> Lights:
+        """The same lights turned by a rotation matrix [3, 3]."""
+        return Lights(self.gaussians.rotated(rotation), self.suns.rotated(rotation))
+
+
+def as_lights(lights: Lights | SphericalGaussians) -> Lights:
+    """Return `lights` as Lights; bare Gaussians have no suns."""
+    return lights if isinstance(lights, Lights) else Lights(lights)

@@ -1,0 +1,1 @@
+"""The three methods for cloth under an environment: direct, paper, reference."""

@@ -1,0 +1,1 @@
+"""Method direct: quadrature per pixel at shared nodes."""

@@ -1,0 +1,1 @@
+"""Method paper: paper A as printed, its tables and their making."""

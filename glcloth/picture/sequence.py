@@ -1,0 +1,153 @@
+"""Sequences: pictures one after the other, written as numbered frames or as a video."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..color import view
+from ..errors import InputError
+from ..files import atomic_write, check_writable
+from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
+from ..geometry.props import Objects
+from ..image import check_output, write_image
+from ..light.environment import rotation_y
+from .renderer import Frame, Renderer
+
+VIDEO = (".mp4",)
+NUMBER = re.compile(r"%0?(\d*)d")
+POSES = 4  # until every direction of a vertex that follows is looked into again
+
+
+def orbit(camera: Camera, degrees: float) -> Camera:
+    """The camera turned about the vertical through its target; positive is counter-clockwise seen from above."""
+    turned = np.array(camera.target) + rotation_y(degrees) @ np.subtract(camera.eye, camera.target)
+    return replace(camera, eye=tuple(turned))
+
+
+def moving(
+    renderer: Renderer,
+    frame: Frame,
+    count: int,
+    start: int = 0,
+    poses: Callable[[int], Mesh] | None = None,
+    turntable: bool = False,
+    turn_env: float = 0.0,
+) -> Iterator[np.ndarray]:
+    """Yield the pictures `start` to `count` - 1 of a sequence; `frame` is what does not change.
+
+    Parameters
+    ----------
+    poses : the mesh of each frame, asked for in ascending order; its shadows follow it (`Renderer.follow_poses`)
+    turntable : one turn of the camera around the cloth
+    turn_env : degrees by which the environment turns; frame `count` would have turned by all of them
+
+    What vertices see is that of four poses: a sequence that begins at `start` looks at those before. They are the same
+    bits as in the whole sequence but for where rays start, which the first pose that is looked at decides.
+    """
+
+    def at(i: int) -> Frame:
+        scene = frame.scene
+        if turn_env:
+            scene = scene.model_copy(update={"env_rotate": scene.env_rotate + turn_env * i / count})
+        return renderer.prepare(
+            scene,
+            fabric=frame.fabric,
+            mesh=frame.mesh if poses is None else poses(i),
+            environment=frame.environment,
+            lights=None if turn_env else frame.lights,
+            camera=orbit(frame.camera, 360.0 * i / count) if turntable else frame.camera,
+            objects=frame.objects or Objects(),
+        )
+
+    renderer.follow_poses(poses is not None)
+    # Turns of four poses, of which each looks into its own directions.
+    for i in range(max(0, start // POSES - 1) * POSES if poses is not None else start, start):
+        for _ in renderer.look(at(i)):
+            pass
+    for i in range(start, count):
+        yield renderer.render_frame(at(i))
+
+
+def pose_files(pattern: str, count: int) -> list[Path]:
+    """The files of the first `count` poses of a pattern such as poses/%04d.ply. Raises InputError for one that is missing."""
+    if len(NUMBER.findall(pattern)) != 1:
+        raise InputError(f"--mesh {pattern}: expected one number, such as poses/%04d.ply")
+    files = [frame_name(pattern, number) for number in range(count)]
+    for number, file in enumerate(files):
+        if not file.is_file():
+            hint = f"there are {number}: choose --frames {number}" if number else "its poses are numbered from 0"
+            raise InputError(f"{file}: no such file, pose of frame {number} of {count}; {hint}")
+    return files
+
+
+def frame_name(pattern: str, number: int) -> Path:
+    """The file of one frame of a pattern such as frames/%04d.png."""
+    return Path(NUMBER.sub(lambda match: f"{number:0{match[1] or 1}d}", pattern))
+
+
+def check_sequence(output: Path, size: tuple[int, int]) -> bool:
+    """Return True if `output` is a video, False if it is a pattern of frames; make the folder of the frames.
+
+    Raises InputError for a name that is neither, a folder that cannot be written, an odd size or a missing PyAV.
+    """
+    text = str(output)
+    if output.suffix.lower() in VIDEO:
+        check_writable(output)
+        if size[0] % 2 or size[1] % 2:
+            raise InputError(f"{output}: size {size[0]}x{size[1]}: video needs even sides; choose an even --size")
+        try:
+            import av  # noqa: F401
+        except ImportError:
+            raise InputError(
+                f"{output}: video needs PyAV: pip install 'glcloth[video]'; or write frames/%04d.png"
+            ) from None
+        return True
+    if len(NUMBER.findall(output.name)) != 1:
+        raise InputError(f"{text}: expected a video (.mp4) or frames with their number, such as frames/%04d.png")
+    try:
+        output.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{output.parent}: cannot be made ({error.strerror}); choose another folder") from None
+    check_output(frame_name(text, 0))
+    return False
+
+
+def write_frames(
+    pictures: Iterable[np.ndarray],
+    pattern: str,
+    start: int,
+    settings: dict | Callable[[int], dict],
+    exposure: float,
+    transform: str,
+):
+    """Write numbered pictures, each whole or not at all, with their settings or what makes them of a frame's number;
+    yields after each, so that the caller can show progress."""
+    for number, picture in enumerate(pictures, start):
+        path = frame_name(pattern, number)
+        header = settings(number) if callable(settings) else settings
+        write_image(path, picture, {**header, "frame": number}, exposure=exposure, view_transform=transform)
+        yield path
+
+
+def write_video(pictures: Iterable[np.ndarray], path: Path, rate: int, exposure: float, transform: str):
+    """Write an H.264 video, whole or not at all; yields after each frame."""
+    import av
+
+    with atomic_write(path) as temporary, av.open(str(temporary), "w") as container:
+        stream = None
+        for picture in pictures:
+            code = np.round(255 * view(picture[..., :3], transform, exposure)).astype(np.uint8)
+            if stream is None:
+                stream = container.add_stream("libx264", rate=rate, options={"crf": "16", "preset": "medium"})
+                stream.height, stream.width = code.shape[:2]
+                stream.pix_fmt = "yuv420p"
+            container.mux(stream.encode(av.VideoFrame.from_ndarray(code, "rgb24")))
+            yield path
+        if stream is not None:
+            container.mux(stream.encode())

@@ -1,0 +1,1 @@
+"""Rays through a scene: the tracer of paper B, its layers and its view of the tree."""

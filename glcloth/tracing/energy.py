@@ -1,0 +1,63 @@
+"""How much light a fabric reflects, and how much it may: what the tracer needs once per fabric, by quadrature."""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+
+import numpy as np
+
+from ..fabric import Fabric
+from ..twins.cloth import f_cloth
+from ..twins.sheet import T_sheet
+
+
+@lru_cache(maxsize=2)
+def hemisphere(rings: int = 16, sectors: int = 24) -> tuple[np.ndarray, np.ndarray]:
+    """Directions [N, 3] about +z and weights [N] for integrals of f cos(theta) over the hemisphere."""
+    x, w = np.polynomial.legendre.leggauss(rings)
+    sin2 = np.repeat((x + 1) / 2, sectors)
+    phi = np.tile((np.arange(sectors) + 0.5) * (2 * np.pi / sectors), rings)
+    directions = np.stack([np.sqrt(sin2) * np.cos(phi), np.sqrt(sin2) * np.sin(phi), np.sqrt(1 - sin2)], -1)
+    return directions, np.repeat(w / 2 * np.pi / sectors, sectors)
+
+
+def directional_albedo(fabric: Fabric, omega_o: np.ndarray) -> np.ndarray:
+    """Radiance [3] toward omega_o [3] (surface frame) under unit radiance from everywhere above."""
+    directions, weight = hemisphere()
+    f = f_cloth(directions, np.asarray(omega_o, float)[None], *fabric.arrays())
+    return (f * (weight / directions[:, 2])[:, None]).sum(0)
+
+
+def _albedos(fabric: Fabric) -> tuple[np.ndarray, np.ndarray]:
+    # By its text, because a fabric that has computed arrays cannot be compared.
+    return _albedos_of(fabric.model_dump_json(exclude={"name", "transmission"}))
+
+
+@lru_cache(maxsize=8)
+def _albedos_of(text: str) -> tuple[np.ndarray, np.ndarray]:
+    fabric = Fabric(name="-", **json.loads(text))
+    theta = np.radians([4.0, 25.0, 45.0, 62.0, 76.0])
+    phi = np.radians([0.0, 45.0, 90.0, 160.0])
+    t, p = (a.ravel() for a in np.meshgrid(theta, phi, indexing="ij"))
+    omega = np.stack([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)], -1)
+    return omega, np.array([directional_albedo(fabric, o) for o in omega])
+
+
+def mean_albedo(fabric: Fabric) -> np.ndarray:
+    """The albedo [3], averaged over directions by their cosine: the fabric's colour in even light."""
+    omega, albedo = _albedos(fabric)
+    weight = omega[:, 2] * np.sqrt(1 - omega[:, 2] ** 2)
+    return weight @ albedo / weight.sum()
+
+
+def reflection_limit(fabric: Fabric) -> float:
+    """The factor, at most 1, by which the reflection must be dimmed so that with the transmission no energy is gained.
+
+    Paper A's model does not promise an albedo below 1, and knows nothing of light that passes.
+    """
+    omega, albedo = _albedos(fabric)
+    t = fabric.transmission
+    room = 1.0 - (T_sheet(omega, t.k_a, t.k_t, np.array(t.tau), t.rho) if t else 0.0)
+    with np.errstate(divide="ignore"):
+        return float(min(1.0, np.min(np.where(albedo > 0, room / albedo, np.inf))))

@@ -1,0 +1,1 @@
+"""What a surface sees of the lights, and what light comes back to it."""

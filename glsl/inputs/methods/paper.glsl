@@ -1,0 +1,171 @@
+// Method `paper`: paper A literally. Per tangent and Gaussian, T from SVD-compressed tables times the integral of G f_s
+// by a table over phi and piecewise linear theta segments.   [Miz 8-16]
+// glcloth/methods/paper/method.py fills the textures. Every parameter but the weave is read from the fabric buffer as it is.
+#include "inputs/methods/suns.glsl"
+#include "sg/gaussian.glsl"
+#include "sg/segments.glsl"
+#include "sg/fresnel_sum.glsl"
+#include "sg/azimuth.glsl"
+#include "sg/coordinates.glsl"
+
+layout(binding = 8) uniform sampler3D azimuth_table;  // T_l / azimuth_mass: phi_o, phi_k, kappa_prime in AZIMUTH_GROUPS
+layout(binding = 9) uniform sampler3D weight_xi;      // left factors of T, 4 ranks a texel: phi_k, theta_k, slices
+layout(binding = 10) uniform sampler3D weight_o;      // right factors: phi_o, theta_o, the same slices
+layout(binding = 11) uniform samplerBuffer weight_index;  // per tangent (shape, signs of theta and phi), then first slices
+uniform float grid;        // nodes of each of the tables' angles
+uniform float inner;       // share of the phi_k axis below 90 degrees
+uniform ivec2 tiling;      // slices per column of the 3D textures, and columns
+uniform int segments;      // over theta in [-pi/2, pi/2]
+uniform ivec2 lobe_range;  // first Gaussian of this pass, and the one after the last
+
+struct Angles {
+    float theta;
+    float phi;
+    float cos_theta;
+};
+
+Angles angles(vec3 omega) {
+    float cos_theta = length(omega.yz);
+    return Angles(atan(omega.x, cos_theta), atan(omega.y, omega.z), cos_theta);
+}
+
+// T of one tangent between the two sharpness levels around `level`.   [Miz 9]
+// The slices of neighbouring levels follow each other, so that one loop reads both.
+float fetch_T_W(int shape, vec2 at_xi, vec2 at_o, float level) {
+    int low = min(int(level), LEVELS - 2);
+    float above = level - float(low);
+    int entry = MAX_TANGENTS + shape * (LEVELS + 1) + low;
+    int s = int(texelFetch(weight_index, entry).x);
+    int middle = int(texelFetch(weight_index, entry + 1).x);
+    int end = int(texelFetch(weight_index, entry + 2).x);
+    float T = 0.0;
+    do {
+        vec2 column = vec2(float(s / tiling.x), float(tiling.y));
+        float z = (float(s % tiling.x) + 0.5) / float(tiling.x);
+        vec4 U = textureLod(weight_xi, vec3(at_xi.x, (at_xi.y + column.x) / column.y, z), 0.0);
+        vec4 V = textureLod(weight_o, vec3(at_o.x, (at_o.y + column.x) / column.y, z), 0.0);
+        T += (s < middle ? 1.0 - above : above) * dot(U, V);
+        ++s;
+    } while (s < end);
+    return T;
+}
+
+// (I_s, I_v / A) of one tangent and one Gaussian: integrals of G f_s cos(theta_i) over the tangent's hemisphere.
+// [Miz 11-16]; at the ends of the theta range cos^2(theta_i) = 0, so only inner nodes count. Nodes at theta and -theta
+// have the same kappa_prime and share T_l.
+vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
+    vec3 s = g_c_product(k.theta, sharpness, -o.theta, 0.5 / (yarn.gamma_s * yarn.gamma_s));
+    vec3 v = g_c_product(k.theta, sharpness, -o.theta, 0.5 / (yarn.gamma_v * yarn.gamma_v));
+    vec3 mu = vec3(s.x, v.x, k.theta);
+    vec3 sigma = sqrt(2.0 / max(vec3(s.y, v.y, sharpness), vec3(1e-6)));
+    vec3 scale = vec3(s.z / yarn.gamma_s, (1.0 - yarn.k_d) * v.z / yarn.gamma_v, yarn.k_d * sqrt(PI)) / sqrt(PI) * sigma;
+
+    float width = PI / float(segments);
+    vec3 step = width / sigma;
+    float F = F_0(yarn.eta);
+    float cos_half_o = cos(0.5 * o.theta);
+    float sin_half_o = sin(0.5 * o.theta);
+    float at_o = node_coordinate(unit_from_half_circle(k.phi < 0.0 ? -o.phi : o.phi), float(AZIMUTH_PHI_O));
+    float at_k = node_coordinate(unit_from_circle(k.phi, AZIMUTH_INNER), float(AZIMUTH_PHI_K));
+    const float kappa_nodes = float(AZIMUTH_KAPPA);
+    const float groups = float(AZIMUTH_GROUPS);
+
+    vec3 u = (0.5 * PI - mu) / sigma;
+    vec3 w = (-0.5 * PI - mu) / sigma;
+    vec3 before_u = twice_integrated(u, exp(-u * u));
+    vec3 before_w = twice_integrated(w, exp(-w * w));
+    u -= step;
+    w += step;
+    vec3 g_u = exp(-u * u);
+    vec3 g_w = exp(-w * w);
+    vec3 here_u = twice_integrated(u, g_u);
+    vec3 here_w = twice_integrated(w, g_w);
+    vec2 I = vec2(0.0);
+    float theta = 0.5 * PI - width;
+    int node = 1;
+    do {
+        vec3 next_u = u - step;
+        vec3 next_w = w + step;
+        vec3 next_g_u = exp(-next_u * next_u);
+        vec3 next_g_w = exp(-next_w * next_w);
+        vec3 after_u = twice_integrated(next_u, next_g_u);
+        vec3 after_w = twice_integrated(next_w, next_g_w);
+        vec3 weight_u = scale * hat_integral(before_u, here_u, after_u, u, g_u, step);
+        vec3 weight_w = scale * hat_integral(before_w, here_w, after_w, w, g_w, step);
+        float cos_half = cos(0.5 * theta);
+        float sin_half = sin(0.5 * theta);
+        float cos_theta = 2.0 * cos_half * cos_half - 1.0;
+        float kappa_prime = sharpness * cos_theta * k.cos_theta;
+        float z = node_coordinate(unit_from_kappa(kappa_prime, KAPPA_LAST), kappa_nodes) / groups;
+        float mass = azimuth_mass(k.phi, kappa_prime);
+        vec4 T_1 = mass * textureLod(azimuth_table, vec3(at_o, at_k, z), 0.0);
+        vec4 T_5 = mass * textureLod(azimuth_table, vec3(at_o, at_k, z + 1.0 / groups), 0.0);
+        vec4 T_9 = mass * textureLod(azimuth_table, vec3(at_o, at_k, z + 2.0 / groups), 0.0);
+        // The middle node of an even number of segments is its own mirror image.
+        float count = 2 * node == segments ? 0.5 : 1.0;
+        vec2 cos_theta_d = vec2(cos_half * cos_half_o + sin_half * sin_half_o, cos_half * cos_half_o - sin_half * sin_half_o);
+        vec2 common_factor = count * cos_theta * cos_theta / max(cos_theta_d * cos_theta_d, vec2(1e-7));
+        float slope = 1.0 / (cos_theta + o.cos_theta);
+        I += common_factor.x * vec2(weight_u.x * surface_sum(F, cos_theta_d.x, T_1, T_5),
+            (weight_u.y + weight_u.z) * slope * volume_sum(F, cos_theta_d.x, T_1, T_5, T_9));
+        I += common_factor.y * vec2(weight_w.x * surface_sum(F, cos_theta_d.y, T_1, T_5),
+            (weight_w.y + weight_w.z) * slope * volume_sum(F, cos_theta_d.y, T_1, T_5, T_9));
+        before_u = here_u;
+        before_w = here_w;
+        here_u = after_u;
+        here_w = after_w;
+        u = next_u;
+        w = next_w;
+        g_u = next_g_u;
+        g_w = next_g_w;
+        theta -= width;
+        ++node;
+    } while (2 * node <= segments);
+    return I;
+}
+
+// The factors of T and I for one tangent under all Gaussians of this pass, summed.   [Miz 8]
+// do-while: Mesa's software rasteriser runs the body of a for loop once more than it counts.
+vec3 L_tangent(int t, int j, Yarn yarn, vec3 omega_o, mat3 surface_from_world) {
+    Tangent tangent = fetch_tangent(t);
+    vec3 local_o = tangent_from_surface(omega_o, j, tangent.cos_tilt, tangent.sin_tilt);
+    if (local_o.z <= 0.0) return vec3(0.0);
+    Angles o = angles(local_o);
+    vec3 placement = texelFetch(weight_index, t).xyz;
+    vec2 at_o = vec2(node_coordinate(unit_from_half_circle(placement.z * o.phi), grid),
+        node_coordinate(unit_from_half_circle(placement.y * o.theta), grid));
+    vec3 sum = vec3(0.0);
+    int n = lobe_range.x;
+    do {
+        Gaussian light = fetch_gaussian(n);
+        vec3 local_k = tangent_from_surface(surface_from_world * light.xi, j, tangent.cos_tilt, tangent.sin_tilt);
+        Angles k = angles(local_k);
+        float phi_k = placement.z * k.phi;
+        float circle = unit_from_circle(phi_k, inner);
+        vec2 at_xi = vec2(node_coordinate(0.5 + 0.5 * (phi_k < 0.0 ? -circle : circle), grid),
+            node_coordinate(unit_from_half_circle(placement.y * k.theta), grid));
+        float level = level_from_sharpness(light.sharpness, SHARPNESS_FIRST, SHARPNESS_LAST, float(LEVELS));
+        // Truncated factors may dip below zero where T is zero.
+        float T = max(fetch_T_W(int(placement.x), at_xi, at_o, level), 0.0);
+        vec2 I = I_terms(k, light.sharpness, o, yarn);
+        sum += V_gaussian(n) * T * (I.x + yarn.A * I.y) * light.L;
+        ++n;
+    } while (n < lobe_range.y);
+    return tangent.weight * sum;
+}
+
+vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
+    vec3 sum = L_suns(omega_o, surface_from_world);
+    if (lobe_range.x >= lobe_range.y) return sum;
+    int t = 0;
+    int last = 0;
+    for (int j = 0; j < 2; ++j) {
+        Yarn yarn = fetch_yarn(j);
+        last += tangent_count[j];
+        do {
+            sum += L_tangent(t, j, yarn, omega_o, surface_from_world);
+            ++t;
+        } while (t < last);
+    }
+    return sum;
+}

@@ -1,0 +1,12 @@
+// Irradiance of Gaussians of amplitude 1 by the cosine of their axis: a table that the host makes for the lights of a draw.
+// Twin of what it holds: glcloth/twins/lambert.py gaussian_irradiance
+layout(binding = 12) uniform samplerBuffer irradiance_table;
+
+const int IRRADIANCE_STEPS = 256;  // of the cosine, from -1 to 1
+
+float gaussian_irradiance(int k, float cos_theta) {
+    float x = float(IRRADIANCE_STEPS) * (0.5 + 0.5 * clamp(cos_theta, -1.0, 1.0));
+    int i = min(int(x), IRRADIANCE_STEPS - 1);
+    int at = k * (IRRADIANCE_STEPS + 1) + i;
+    return mix(texelFetch(irradiance_table, at).x, texelFetch(irradiance_table, at + 1).x, x - float(i));
+}

@@ -1,0 +1,27 @@
+// Irradiance from Gaussians and suns, each as far as the pixel sees it, and what comes back: "lit.glsl" of methods direct
+// and paper.
+#include "inputs/picture/lights.glsl"
+#include "inputs/visibility/irradiance_table.glsl"
+layout(binding = 2) uniform sampler2DArray seen;       // four values a texel: V_0, V_1 .. V_K, then the suns'
+layout(binding = 15) uniform sampler2DArray bounced_light;  // passes/visibility/bounce_pixels.comp
+uniform bool everything;  // nothing is hidden
+uniform bool bounces;
+uniform int sun_number;   // of the first sun's value
+
+float V_number(ivec2 pixel, int n) {
+    return everything ? 1.0 : texelFetch(seen, ivec3(pixel, n >> 2), 0)[n & 3];
+}
+
+vec3 irradiance(ivec2 pixel, vec3 N) {
+    vec3 E = vec3(0.0);
+    for (int k = 0; k < gaussian_count; ++k) {
+        Gaussian light = fetch_gaussian(k);
+        E += light.L * (V_number(pixel, 1 + k) * gaussian_irradiance(k, dot(N, light.xi)));
+    }
+    for (int s = 0; s < sun_count; ++s) {
+        Sun sun = fetch_sun(s);
+        E += sun.E * (V_number(pixel, sun_number + s) * max(dot(N, sun.omega), 0.0));
+    }
+    if (bounces) E += PI * texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb;
+    return max(E, vec3(0.0));
+}

@@ -1,0 +1,79 @@
+#version 430
+// What cloth that is seen from omega_o makes of light at a few directions x_j: c_j = int f cos(theta_i) B_j, for method
+// `direct`; omega_o over the disk, B_j the share of x_j in light from between (glcloth/methods/direct/broad_nodes.py).   [own]
+// Its place in z is a block of 16 directions.
+#include "core/disk.glsl"
+
+layout(local_size_x = 8, local_size_y = 8) in;
+layout(binding = 11) uniform sampler2DArray basis_map;   // B over the hemisphere as a disk, four a layer
+layout(binding = 12) uniform samplerBuffer fixed_nodes;  // a rule over the hemisphere: directions; then B times weights, four a texel
+layout(rgba32f, binding = 0) writeonly uniform image2DArray view_table;
+uniform int fixed_count;
+uniform int block_count;
+uniform vec4 broad_kept, broad_sharp, broad_height;  // as entry_kept, ...
+
+mat4x3 c_0, c_1, c_2, c_3;  // of the block's directions
+int block;
+
+void add(vec3 weight, vec4 b_0, vec4 b_1, vec4 b_2, vec4 b_3) {
+    c_0 += outerProduct(weight, b_0);
+    c_1 += outerProduct(weight, b_1);
+    c_2 += outerProduct(weight, b_2);
+    c_3 += outerProduct(weight, b_3);
+}
+
+vec4 basis(vec2 place, int i) { return textureLod(basis_map, vec3(place, float(4 * block + i)), 0.0); }
+
+void take(vec3 omega, vec3 weight) {
+    float size = float(textureSize(basis_map, 0).x);
+    vec2 place = 0.5 + (0.5 - 0.5 / size) * to_disk(omega);
+    add(weight, basis(place, 0), basis(place, 1), basis(place, 2), basis(place, 3));
+}
+#include "inputs/methods/direct_lobes.glsl"
+
+// The isotropic share, and the lobes that have no nodes of their own.
+void visit_fixed(float cos_o) {
+    entry_kept = broad_kept;
+    entry_sharp = broad_sharp;
+    entry_height = broad_height;
+    vec3 up = vec3(0.0, 0.0, 1.0);
+#define AIM_UP(g) aim_group(g, up)
+#define CLEAR(g) surface[g] = volume[g] = vec4(0.0)
+    EACH_GROUP(AIM_UP)
+    int n = 0;
+    do {
+        vec3 omega = texelFetch(fixed_nodes, n).xyz;
+        look_along(omega);
+        Q = gap * cos_o + 1e-20;
+        EACH_GROUP(add_P)
+        float weight = 1.0 / Q;
+#define LIGHT_FIXED(g) light_group(g, omega, weight)
+        EACH_GROUP(CLEAR)
+        EACH_GROUP(LIGHT_FIXED)
+        int at = fixed_count + 4 * (n * block_count + block);
+        add(sum_tangents(), texelFetch(fixed_nodes, at), texelFetch(fixed_nodes, at + 1), texelFetch(fixed_nodes, at + 2),
+            texelFetch(fixed_nodes, at + 3));
+    } while (++n < fixed_count);
+}
+
+void main() {
+    ivec3 at = ivec3(gl_GlobalInvocationID);
+    ivec2 size = imageSize(view_table).xy;
+    if (any(greaterThanEqual(at.xy, size))) return;
+    vec2 p = 2.0 * vec2(at.xy) / vec2(size - 1) - 1.0;
+    // Two texels beyond the horizon nothing is read.
+    if (length(p) > 1.0 + 4.0 / float(size.x - 1)) return;
+    block = at.z;
+    vec3 omega_o = from_disk(p);
+    omega_o = normalize(vec3(omega_o.xy, max(omega_o.z, 1e-3)));
+    c_0 = c_1 = c_2 = c_3 = mat4x3(0.0);
+    see(omega_o);
+    visit_fixed(omega_o.z);
+    visit_lobes(omega_o);
+    for (int i = 0; i < 4; ++i) {
+        imageStore(view_table, ivec3(at.xy, 16 * block + i), vec4(c_0[i], 0.0));
+        imageStore(view_table, ivec3(at.xy, 16 * block + 4 + i), vec4(c_1[i], 0.0));
+        imageStore(view_table, ivec3(at.xy, 16 * block + 8 + i), vec4(c_2[i], 0.0));
+        imageStore(view_table, ivec3(at.xy, 16 * block + 12 + i), vec4(c_3[i], 0.0));
+    }
+}

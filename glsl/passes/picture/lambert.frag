@@ -1,0 +1,19 @@
+#version 430
+// Shades what stands about the cloth, objects and ground, where it is seen: Lambertians that get the light of "lit.glsl".
+#include "core/math.glsl"
+#include "inputs/picture/gbuffer.glsl"
+#include "inputs/picture/gbuffer_point.glsl"
+#include "lit.glsl"
+layout(binding = 5) uniform sampler2D cloth_N;                  // frame_N of the cloth, which hides the objects behind it
+#include "inputs/visibility/reflectance.glsl"
+uniform float pass_weight;    // share of this sample in the pixel
+uniform float pass_cover;     // what this pass adds to the pixel's coverage
+out vec4 color;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec4 N = texelFetch(frame_N, pixel, 0);
+    if (N.w == 0.0 || texelFetch(cloth_N, pixel, 0).w != 0.0) discard;
+    vec3 L = texelFetch(reflectance_data, triangle_at(pixel)).rgb / PI * irradiance(pixel, N.xyz);
+    color = vec4(L * pass_weight, pass_cover);
+}

@@ -1,0 +1,169 @@
+#version 430
+// Shades the hits of one generation of rays and makes the next: the transmitted ray and the mirrored one.
+// [Mat section 4.2, steps 4 and 5]
+//
+// L_out = T_sheet L(straight on) + R_sheet L(mirrored) + (yarns' transmission or reflection) E V + ambient: the lamp's part
+// waits in the shadow queue until its visibility V is known. Rays of the next generation lie in two runs: transmitted ones
+// from the front, mirrored ones from the back.
+// A ray is (weight, layer): the layer belongs to a head, the origin and direction of a straight way. When `layered`, the
+// head's layers have all been found at once and a transmitted ray is its parent's next layer; otherwise it is a new head.
+// Defines: CLOTH, 1: the rays that hit cloth, 0: the others (passes/tracing/sort.comp parts them). SPREAD, 1: draw the
+// transmitted direction from the lobes instead of going straight on.
+#include "trace/shared.glsl"
+#include "trace/intersect.glsl"
+#include "trace/random.glsl"
+#include "core/equirect.glsl"
+#include "inputs/tracing/local_light.glsl"
+#include "inputs/accel/ray.glsl"
+
+layout(local_size_x = 64) in;
+layout(binding = 6) uniform sampler2D environment_map;
+layout(binding = 8) uniform usamplerBuffer layers;    // (t, triangle, v, w), `stride` for each head
+layout(binding = 9) uniform usamplerBuffer order;     // the rays to shade
+layout(binding = 11) uniform samplerBuffer heads;     // (origin, t_min) (direction, t_max)
+layout(binding = 15) uniform samplerBuffer weights;   // (weight, layer)
+layout(std430, binding = 1) writeonly buffer Heads { vec4 head_out[]; };
+layout(std430, binding = 2) writeonly buffer Weights { vec4 weight_out[]; };
+layout(std430, binding = 3) writeonly buffer Radiances { vec4 radiance[]; };
+layout(std430, binding = 4) writeonly buffer Children { uvec2 children[]; };
+layout(std430, binding = 5) buffer Counts { uint count[]; };  // transmitted, mirrored, shadow rays; heads; 4, 5: trace_sort.comp
+layout(std430, binding = 6) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray) (radiance, -)
+uniform int stride;
+uniform bool layered;
+uniform int ray_count;
+uniform int order_first;     // where they begin in the list
+uniform int next_last;       // the last place in the next generation's queue; mirrored rays fill it from here down
+uniform int level;
+uniform int last_level;
+uniform int generation_seed;  // of the sample and the level
+uniform float cutoff;        // rays that count for less are not followed
+uniform float offset;        // how far off the surface new rays begin
+uniform vec3 background;
+uniform bool has_environment;
+uniform mat3 environment_from_world;
+
+float largest(vec3 v) { return max(v.r, max(v.g, v.b)); }
+
+vec3 sky(vec3 d) {
+    if (!has_environment) return background;
+    return textureLod(environment_map, uv_from_direction(normalize(environment_from_world * d)), 0.0).rgb;
+}
+
+// A direction through the sheet and what the ray along it counts for, drawn from holes, directed and diffuse transmission.
+// omega_o: toward the viewer in the frame with z = N; the result points away on the other side (z < 0). The seed is made of
+// the ray, not of its place in the queue, which depends on timing.
+vec3 drawn_direction(vec3 omega_o, uvec3 seed, out vec3 weight) {
+    float open = T_open(omega_o, rho);
+    vec3 yarns = (1.0 - open) * k_t * absorption(omega_o, omega_o, tau);
+    float p_open = k_a * open / max(k_a * open + largest(yarns), 1e-12);
+    uvec3 hash = hash3(seed);
+    vec2 u = unit_square(hash.xy);
+    float pick = unit_square(hash.zz).x;
+    weight = vec3(largest(yarns) > 0.0 ? 1.0 : 0.0) * yarns / max(1.0 - p_open, 1e-12);
+    if (pick < p_open) {
+        weight = vec3(k_a * open / p_open);
+        return -omega_o;
+    }
+    float part = (pick - p_open) / max(1.0 - p_open, 1e-12);
+    vec3 d;
+    if (part < 0.5) {
+        vec3 h = facet_direction(u, roughness_p);
+        vec3 r = reflect(-omega_o, h);
+        d = vec3(r.xy, -r.z);
+    } else if (part < 0.5 + 0.5 * diffuse) {
+        d = -cosine_direction(u);
+    } else {
+        d = refract(-omega_o, facet_direction(u, roughness), eta_1 / eta_2);
+    }
+    return d.z < 0.0 ? d : -omega_o;
+}
+
+#include "inputs/tracing/claim.glsl"
+
+void main() {
+    begin_claims();
+    int place = int(gl_GlobalInvocationID.x);
+    bool live = place < ray_count;
+    // Invocations behind the end shade the last ray again, and keep it to themselves.
+    int i = int(texelFetch(order, order_first + min(place, ray_count - 1)).x);
+    vec4 weight = texelFetch(weights, i);
+    int layer = floatBitsToInt(weight.a);
+    int head = layer / stride;
+    vec3 d = texelFetch(heads, 2 * head + 1).xyz;
+    uvec4 hit = texelFetch(layers, layer);
+    bool met = hit.y != NO_TRIANGLE;
+    float t = uintBitsToFloat(hit.x);
+    vec3 o = texelFetch(heads, 2 * head).xyz;
+    vec3 p = o + t * d;
+    int triangle = met ? int(hit.y) : 0;
+    // The traversal keeps no weights: found again once, they cost less than at every test.
+    vec2 at = meet_triangle(make_ray(o, d, 0.0, 0.0), uintBitsToFloat(texelFetch(corner_data, 3 * triangle).xyz),
+                            uintBitsToFloat(texelFetch(corner_data, 3 * triangle + 1).xyz),
+                            uintBitsToFloat(texelFetch(corner_data, 3 * triangle + 2).xyz)).yz;
+    Surface s = surface_at(triangle, at, -d);
+    LampRay l = lamp_ray(p, s);
+#if CLOTH == 0
+    vec3 direct = weight.rgb * lamp_light_solid(s, l);
+    vec3 seen = weight.rgb * (met ? even_light(s) : sky(d));
+#else
+    mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
+    vec3 omega_o = -d * world_from_surface;
+    vec3 direct = weight.rgb * lamp_light_cloth(world_from_surface, omega_o, l);
+    vec3 seen = weight.rgb * even_light(s);
+    vec4 from = vec4(o, behind_layer(t));
+    vec3 onward = d;
+    vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
+#if SPREAD == 1
+    uvec3 seed = uvec3(floatBitsToUint(d.x), floatBitsToUint(d.y), uint(generation_seed));
+    vec3 drawn = world_from_surface * drawn_direction(omega_o, seed, through);
+    if (dot(drawn, s.N_g) < 0.0) {
+        onward = drawn;
+        from = vec4(p - offset * s.N_g, 0.0);
+    }
+#endif
+    through *= weight.rgb;
+    vec3 mirrored = weight.rgb * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
+    bool goes_on = live && level < last_level && largest(through) > cutoff;
+    bool is_mirrored = live && level < last_level && largest(mirrored) > cutoff;
+    uint onward_claim = goes_on ? claim(0) : 0u;
+    uint onward_head = goes_on && !layered ? claim(3) : 0u;
+    uint mirrored_claim = is_mirrored ? claim(1) : 0u;
+    uint mirrored_head = is_mirrored ? claim(3) : 0u;
+#endif
+    bool waits = live && met && largest(direct) > 1e-5 * cutoff;
+    uint shadow_claim = waits ? claim(2) : 0u;
+    settle_claims();
+
+    uvec2 next = uvec2(NO_TRIANGLE);
+#if CLOTH == 1
+    if (goes_on) {
+        next.x = place_of(0, onward_claim);
+        int next_layer = layer + 1;
+        if (!layered) {
+            uint k = place_of(3, onward_head);
+            head_out[2u * k] = from;
+            head_out[2u * k + 1u] = vec4(onward, far);
+            next_layer = int(k) * stride;
+        }
+        weight_out[next.x] = vec4(through, intBitsToFloat(next_layer));
+    }
+    if (is_mirrored) {
+        vec3 r = reflect(d, s.N);
+        if (dot(r, s.N_g) <= 0.0) r = reflect(d, s.N_g);
+        next.y = uint(next_last) - place_of(1, mirrored_claim);
+        uint k = place_of(3, mirrored_head);
+        head_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
+        head_out[2u * k + 1u] = vec4(r, far);
+        weight_out[next.y] = vec4(mirrored, intBitsToFloat(int(k) * stride));
+    }
+#endif
+    if (live) {
+        radiance[i] = vec4(seen, 0.0);
+        children[i] = next;
+    }
+    if (waits) {
+        uint k = place_of(2, shadow_claim);
+        shadow_out[2u * k] = vec4(p + (l.behind ? -offset : offset) * s.N_g, intBitsToFloat(i));
+        shadow_out[2u * k + 1u] = vec4(direct, 0.0);
+    }
+}

@@ -1,0 +1,38 @@
+#version 430
+// Adds the lamp's light to the rays that wait for it, attenuated by the cloth on its way.
+// A shadow ray runs from the lamp to the point: where the lamp is outside, the walls round the window end most of those that
+// end at all, long before the folds of the curtain. Far from the scene it begins near it, for the digits of its hits.
+// With structures that take several dispatches (`resume`), the shadow ray keeps in its radiance what is left so far.
+#include "inputs/accel/ray.glsl"
+#include "inputs/tracing/visit_attenuate.glsl"
+#include "accel.glsl"
+layout(local_size_x = 64) in;
+layout(binding = 11) uniform samplerBuffer shadows;  // (point, ray) (radiance, -)
+layout(std430, binding = 3) buffer Radiances { vec4 radiance[]; };
+layout(std430, binding = 6) buffer Shadows { vec4 shadow_out[]; };
+uniform int shadow_count;
+uniform bool last_chunk;
+uniform vec4 lamp;         // position, 1; or direction toward it, 0
+uniform float beyond;      // further than this from a point of the scene there is nothing
+uniform float offset;      // nearer than this to the lamp nothing counts
+
+void main() {
+    int i = int(gl_GlobalInvocationID.x);
+    if (i >= shadow_count) return;
+    vec4 point = texelFetch(shadows, 2 * i);
+    vec3 light = texelFetch(shadows, 2 * i + 1).rgb;
+    vec3 toward = lamp.w > 0.0 ? lamp.xyz - point.xyz : lamp.xyz;
+    float distance = lamp.w > 0.0 ? length(toward) : 2.0 * beyond;
+    vec3 d = lamp.w > 0.0 ? toward / max(distance, 1e-12) : toward;
+    float reach = min(distance - offset, beyond);
+    Visit visit = start_visit(reach);
+    Ray ray = make_ray(point.xyz + reach * d, -d, 0.0, reach);
+    traverse(ray, visit);
+    light *= reckon(visit, ray);
+    if (last_chunk) {
+        radiance[floatBitsToInt(point.w)] += vec4(light, 0.0);
+    } else {
+        shadow_out[2 * i + 1] = vec4(light, 0.0);
+    }
+    count_store(i);
+}

@@ -1,0 +1,28 @@
+#version 430
+// Mean radiance that comes back to the vertices, front and back: that of the probes about them.   [own]
+layout(local_size_x = 64) in;
+layout(binding = 9) uniform samplerBuffer sum_data;       // passes/visibility/bounce_gather.comp
+layout(binding = 10) uniform usamplerBuffer row_data;     // of a vertex: first term, the one after the last
+layout(binding = 11) uniform usamplerBuffer spread_data;  // terms: probe, weight as float
+layout(std430, binding = 0) writeonly buffer Means { vec4 means[]; };  // of a vertex front and back: radiance; luminance x direction
+uniform int vertex_count;
+
+void main() {
+    int i = int(gl_GlobalInvocationID.x);
+    if (i >= vertex_count) return;
+    ivec2 row = ivec2(texelFetch(row_data, i).xy);
+    vec4 front = vec4(0.0), back = front, from = front, from_back = front;
+    for (int e = row.x; e < row.y; ++e) {
+        uvec2 term = texelFetch(spread_data, e).xy;
+        float weight = uintBitsToFloat(term.y);
+        int at = 4 * int(term.x);
+        front += weight * texelFetch(sum_data, at);
+        from += weight * texelFetch(sum_data, at + 1);
+        back += weight * texelFetch(sum_data, at + 2);
+        from_back += weight * texelFetch(sum_data, at + 3);
+    }
+    means[4 * i] = front / max(front.w, 1e-12);
+    means[4 * i + 1] = from / max(front.w, 1e-12);
+    means[4 * i + 2] = back / max(back.w, 1e-12);
+    means[4 * i + 3] = from_back / max(back.w, 1e-12);
+}

@@ -1,0 +1,38 @@
+#version 430
+// Which of their class's directions of the world the probes see: a bit each, for both sides of the sheet.   [own]
+// One dispatch traces at most 32 directions, those of one word: loops may end silently after 65,535 iterations.
+#include "inputs/accel/ray.glsl"
+#include "inputs/accel/visit_any.glsl"
+#include "accel.glsl"
+layout(local_size_x = 64) in;                               // and a row of groups for each class
+layout(binding = 11) uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
+layout(binding = 12) uniform samplerBuffer direction_data;  // toward the light
+layout(std430, binding = 0) buffer Bits { uint bits[]; };   // word by word: those of all probes, one after the other
+uniform int first_probe[9];  // of each class, and the one after the last
+uniform int probe_count;
+uniform int class_directions;  // how many directions each class has
+uniform int first_direction;
+uniform int last_direction;  // the one after the last
+
+void main() {
+    int i = first_probe[gl_WorkGroupID.y] + int(gl_GlobalInvocationID.x);
+    if (i >= first_probe[gl_WorkGroupID.y + 1u]) return;
+    int direction_base = class_directions * int(gl_WorkGroupID.y);
+    vec4 x = texelFetch(probe_data, 2 * i);
+    vec4 N = texelFetch(probe_data, 2 * i + 1);
+    int at = (first_direction >> 5) * probe_count + i;
+    int count = last_direction - first_direction;
+    uint mine = (count == 32 ? 0u : 1u << uint(count)) - 1u;
+    uint word = bits[at] & ~(mine << uint(first_direction & 31));
+    int d = first_direction;
+    do {
+        vec3 omega = texelFetch(direction_data, direction_base + d).xyz;
+        // Off the side by which the ray leaves.
+        float off = dot(omega, N.xyz) < 0.0 ? -N.w : x.w;
+        Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
+        Ray ray = make_ray(x.xyz + off * N.xyz, omega, 0.0, 3e38);
+        traverse(ray, visit);
+        if (visit.t > 0.0) word |= 1u << uint(d & 31);
+    } while (++d < last_direction);
+    bits[at] = word;
+}

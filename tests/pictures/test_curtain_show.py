@@ -1,0 +1,98 @@
+"""The curtain scene: simulation, room and tracer together; frames that can be resumed; what the bench says."""
+
+import curtain_scenes as scenes
+import numpy as np
+import pytest
+
+from glcloth.accel.queries import RayQueries
+from glcloth.curtain.hanging import CurtainParameters
+from glcloth.curtain.show import CurtainScene, CurtainShow, bench_curtain, parse_curtain_scene
+from glcloth.errors import InputError
+
+SMALL = CurtainScene(size=(48, 48), curtain=CurtainParameters(quads=(48, 12), pleats=4, settle=0.2))
+
+
+def test_frames_can_be_resumed(ctx):
+    """Starting at frame 2 gives the picture that going through the frames gives, bit for bit."""
+    with CurtainShow(ctx, SMALL) as show:
+        all_of_them = list(show.frames(3))
+    with CurtainShow(ctx, SMALL) as show:
+        (last,) = show.frames(3, start=2)
+    assert len(all_of_them) == 3
+    np.testing.assert_array_equal(all_of_them[2], last)
+    assert np.abs(all_of_them[2] - all_of_them[0]).max() > 0.01, "the curtain moves"
+    assert all(np.isfinite(p).all() and p.min() >= 0 and p.max() < 1e3 for p in all_of_them)
+
+
+def test_every_structure_at_rest_and_in_the_wind(ctx):
+    """Nearest hits of the room with its curtain equal brute force; pictures are the same."""
+    queries = RayQueries(ctx)
+    with CurtainShow(
+        ctx, SMALL.changed(curtain=CurtainParameters(quads=(48, 12), pleats=4, settle=0.2, wind=1.5))
+    ) as show:
+        for frames in (0, 12):
+            show.advance(frames)
+            pictures = {}
+            for name in ("kdtree", "lbvh", "brute"):
+                show.scene = show.scene.changed(accelerator=name)
+                pictures[name] = show.picture()
+            np.testing.assert_allclose(pictures["kdtree"], pictures["brute"], rtol=1e-5, atol=1e-6)
+            np.testing.assert_allclose(pictures["lbvh"], pictures["brute"], rtol=1e-5, atol=1e-6)
+            o, d = scenes.random_rays(20_000, [-2, 0, 0], [2, 2.7, 4], seed=frames)
+            hits = {name: queries.closest_hit(show.tracer.structure(name), o, d) for name in pictures}
+            for name in ("kdtree", "lbvh"):
+                np.testing.assert_array_equal(hits[name].t, hits["brute"].t)
+    queries.release()
+
+
+def test_no_light_leaks(ctx):
+    """Without ambient light and with a black curtain, what is lit in the room is lit through the window's opening."""
+    black = SMALL.changed(fabric="blackout", ambient=(0, 0, 0), size=(96, 96))
+    with CurtainShow(ctx, black) as show:
+        dark = show.picture()
+    with CurtainShow(ctx, black.changed(fabric="sheer_voile")) as show:
+        bright = show.picture()
+    # The ceiling and the upper corners see no lamp, whatever hangs before the window.
+    assert dark[:6, :].max() == 0 and bright[:6, :].max() == 0
+    assert bright.mean() > 5 * dark.mean()
+
+
+def test_the_tree_and_the_layers(ctx):
+    with CurtainShow(ctx, SMALL) as show:
+        tree, layers, traced = show.tree(), show.layers(), show.picture()
+    assert tree.shape == layers.shape == traced.shape == (48, 48, 3)
+    assert (tree[..., 1] > tree[..., 0] + 0.05).sum() > 50, "green boxes"
+    assert layers.mean() > traced.mean(), "no shadows"
+
+
+def test_bench(ctx):
+    result = bench_curtain(ctx, SMALL, frames=2)
+    for key in ("sim_ms", "build_ms", "trace_ms", "frame_ms", "fps", "cpu_ms", "sah", "steps_per_ray", "tests_per_ray"):
+        assert result[key] > 0, key
+    assert result["triangles"] == 2 * 48 * 12 + 146 and result["nodes"] > 500
+    assert result["rays"] >= 48 * 48 and len(result["levels"]) == 4
+    assert set(result["build_stages_ms"]) == {"init", "large", "masks", "small", "order", "emit"}
+    assert bench_curtain(ctx, SMALL.changed(accelerator="lbvh"), frames=1, triangles=2000)["triangles"] > 1900
+
+
+def test_the_default_scene_has_the_papers_triangles():
+    assert CurtainScene().curtain.triangle_count + 146 == 12_786
+
+
+def test_wrong_input(ctx):
+    for changes, words in (
+        ({"dept": 3}, "unknown key"),
+        ({"depth": 9}, "depth"),
+        ({"size": "big"}, "WIDTHxHEIGHT"),
+        ({"accelerator": "octree"}, "accelerator"),
+        ({"curtain": {"fullness": 9}}, "fullness"),
+        ({"curtain": {"windd": 9}}, "unknown key"),
+        ({"ambient": (1, 2)}, "ambient"),
+    ):
+        with pytest.raises(InputError, match=words) as error:
+            parse_curtain_scene(changes)
+        assert "\n" not in str(error.value)
+    with pytest.raises(InputError, match="room alone"):
+        CurtainShow(ctx, SMALL, triangles=100)
+    with pytest.raises(InputError, match="frames"):
+        bench_curtain(ctx, SMALL, frames=0)

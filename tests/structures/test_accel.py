@@ -1,0 +1,311 @@
+"""Acceleration structures: every one finds what brute force finds, on good scenes and on bad ones; the tree is sound."""
+
+from itertools import pairwise
+
+import curtain_scenes as scenes
+import numpy as np
+import pytest
+
+from glcloth.accel.brute import Brute
+from glcloth.accel.kdtree import CONSTANTS, KdTree, KdTreeParameters
+from glcloth.accel.queries import STRUCTURES, RayQueries, make_structure
+from glcloth.accel.triangles import Triangles, find_pairs
+from glcloth.errors import InputError
+from glcloth.geometry import shapes
+from glcloth.twins import intersect
+from glcloth.twins import kdtree as exact
+
+TREES = [name for name in STRUCTURES if name != "brute"]
+
+
+@pytest.fixture(scope="module")
+def keep():
+    """Things to release after the module."""
+    things = []
+    yield things
+    for thing in things:
+        thing.release()
+
+
+@pytest.fixture(scope="module")
+def queries(session_ctx, keep):
+    with session_ctx:
+        keep.append(RayQueries(session_ctx))
+        return keep[-1]
+
+
+def same_hits(a, b):
+    """Equal t to the bit, and equal triangles but where two are hit at the same t."""
+    np.testing.assert_array_equal(a.t, b.t)
+    hit = np.isfinite(b.t)
+    assert (a.triangle[hit] == b.triangle[hit]).mean() > 0.999 if hit.any() else True
+
+
+def all_rays(triangles, count):
+    """Coherent rays of the camera, and random ones from inside and outside the scene."""
+    low, high = triangles.min((0, 1)), triangles.max((0, 1))
+    middle, half = (low + high) / 2, (high - low) / 2 + 1e-3
+    o_1, d_1 = scenes.camera_rays(count // 2)
+    o_2, d_2 = scenes.random_rays(count // 4, middle - half, middle + half)
+    o_3, d_3 = scenes.random_rays(count // 4, middle - 2 * half, middle + 2 * half, seed=2)
+    # Toward the scene, and a few along the axes, where splits and boxes are.
+    target = np.random.default_rng(3).uniform(low, high, o_3.shape)
+    d_3 = target - o_3
+    d_3[:32] = np.eye(3)[np.arange(32) % 3] * np.where(np.arange(32) % 2, 1, -1)[:, None]
+    return np.concatenate([o_1, o_2, o_3]), np.concatenate([d_1, d_2, d_3.astype(np.float32)])
+
+
+@pytest.mark.parametrize("name", TREES)
+@pytest.mark.parametrize("time", [0.0, 2.3])
+def test_a_structure_finds_what_brute_force_finds(ctx, queries, keep, name, time):
+    soup = scenes.scene(3000, time)
+    triangles, structure, judge = Triangles.of(ctx, soup), make_structure(ctx, name), Brute(ctx)
+    keep += [triangles, structure]
+    structure.build(triangles)
+    judge.build(triangles)
+    o, d = all_rays(soup, 100_000)
+    hits = queries.closest_hit(structure, o, d)
+    same_hits(hits, queries.closest_hit(judge, o, d))
+    limit = np.where(np.isfinite(hits.t), hits.t * 1.01, 10.0).astype(np.float32)
+    assert queries.any_hit(structure, o, d, t_max=limit)[np.isfinite(hits.t)].all()
+    before = np.where(np.isfinite(hits.t), hits.t * 0.999, 1e9).astype(np.float32)
+    assert not queries.any_hit(structure, o, d, t_max=before).any()
+
+
+@pytest.mark.parametrize("name", TREES)
+@pytest.mark.parametrize("kind", scenes.degenerate_scenes())
+def test_degenerate_scenes(ctx, queries, name, kind):
+    soup = scenes.degenerate_scenes()[kind].astype(np.float32)
+    triangles, structure, judge = Triangles.of(ctx, soup), make_structure(ctx, name), Brute(ctx)
+    structure.build(triangles)
+    judge.build(triangles)
+    tree = structure.arrays()
+    assert set(tree["triangles"]) == set(range(len(soup))), "every triangle lies in a leaf"
+    assert tree["depth"].max() <= CONSTANTS["STACK"]
+    o, d = all_rays(soup, 3000)
+    same_hits(queries.closest_hit(structure, o, d), queries.closest_hit(judge, o, d))
+    structure.release()
+    triangles.release()
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_no_triangles_at_all(ctx, queries, name):
+    triangles, structure = Triangles.of(ctx, np.zeros((0, 3, 3))), make_structure(ctx, name)
+    structure.build(triangles)
+    assert not np.isfinite(queries.closest_hit(structure, *scenes.camera_rays(100)).t).any()
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_rebuilding_gives_the_same_tree(ctx, keep, name):
+    triangles, structure = Triangles.of(ctx, scenes.scene(3000, 1.0)), make_structure(ctx, name)
+    keep += [triangles, structure]
+    structure.build(triangles)
+    first = structure.arrays()
+    for _ in range(4):
+        structure.build(triangles)
+        for key, array in structure.arrays().items():
+            np.testing.assert_array_equal(array, first[key], err_msg=key)
+
+
+def test_brute_force_against_float64(ctx, queries):
+    """The judge itself: Möller and Trumbore in float64."""
+    soup = scenes.scene(400, 0.5)
+    triangles, judge = Triangles.of(ctx, soup), Brute(ctx)
+    judge.build(triangles)
+    o, d = all_rays(soup, 800)
+    hits = queries.closest_hit(judge, o, d)
+    axis = intersect.longest_axis(d)
+    shear = intersect.shear_of(intersect.axis_last(d, axis))
+    corners = intersect.axis_last(
+        soup[None].astype(float) - o[:, None, None].astype(float),
+        axis[:, None, None] + np.zeros((1, len(soup), 3), int),
+    )
+    t = intersect.hit_triangle(corners[:, :, 0], corners[:, :, 1], corners[:, :, 2], shear[:, None])[..., 0]
+    t = np.where(t > 0, t, np.inf)
+    agree = np.isclose(t.min(1), hits.t, rtol=1e-4, atol=1e-5) | (np.isinf(t.min(1)) & np.isinf(hits.t))
+    # A ray within rounding of a silhouette may go either way.
+    assert agree.mean() > 0.997
+    mine = np.take_along_axis(t, np.maximum(hits.triangle, 0)[:, None], 1)[:, 0]
+    hit = np.isfinite(hits.t) & agree
+    np.testing.assert_allclose(mine[hit], hits.t[hit], rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", TREES)
+def test_no_ray_slips_through_shared_edges(ctx, queries, name):
+    """A wavy closed sheet, seen from one side through its own vertices and along its edges: every ray must hit."""
+    x, y = np.meshgrid(np.linspace(-1, 1, 40), np.linspace(-1, 1, 40))
+    grid = np.stack([x, y, 0.1 * np.sin(5 * x) * np.cos(4 * y)], -1)
+    triangles, structure = Triangles.of(ctx, scenes.grid_triangles(grid)), make_structure(ctx, name)
+    structure.build(triangles)
+    inner = grid[2:-2, 2:-2].reshape(-1, 3)
+    mixes = np.random.default_rng(1).uniform(0, 1, (20, 1, 1))
+    right, down = grid[2:-2, 3:-1].reshape(-1, 3), grid[3:-1, 2:-2].reshape(-1, 3)
+    targets = np.concatenate(
+        [inner[None], inner * mixes + right * (1 - mixes), right * mixes + down * (1 - mixes)]
+    ).reshape(-1, 3)
+    for eye in ((0.0, 0.0, 2.0), (0.37, -0.2, 1.3), (0.0, 0.5, 40.0)):
+        o = np.broadcast_to(np.array(eye, np.float32), targets.shape)
+        hits = queries.closest_hit(structure, o, (targets - eye).astype(np.float32))
+        assert np.isfinite(hits.t).all()
+
+
+@pytest.mark.parametrize("pairs", [True, False])
+def test_every_triangle_is_reached_and_inside_its_leaf(ctx, keep, pairs):
+    soup = scenes.scene(3000, 1.0)
+    triangles, tree = Triangles.of(ctx, soup), KdTree(ctx, KdTreeParameters(pairs=pairs))
+    keep += [triangles, tree]
+    tree.build(triangles)
+    t = tree.arrays()
+    assert len(t["axis"]) == tree.node_count
+    # Every quad of this scene is a pair.
+    assert len(t["triangles"]) == tree.leaf_ref_count * (2 if pairs else 1)
+    assert set(t["triangles"]) == set(range(len(soup)))
+    leaf = np.flatnonzero(t["axis"] == 3)
+    assert t["count"][leaf].sum() == len(t["triangles"])
+    # Leaves fill the root's box without a gap or an overlap.
+    volume = np.prod((t["high"] - t["low"]).astype(float), axis=1)
+    assert volume[leaf].sum() == pytest.approx(volume[0], rel=1e-5)
+    # Points of triangles lie in leaves that hold the triangle.
+    owner = np.repeat(leaf, t["count"][leaf])
+    rng = np.random.default_rng(0)
+    b = rng.dirichlet([1, 1, 1], len(soup))
+    points = np.einsum("tc,tcx->tx", b, soup.astype(float))
+    for i in rng.permutation(len(soup))[:300]:
+        holds = leaf[((points[i] >= t["low"][leaf]) & (points[i] <= t["high"][leaf])).all(1)]
+        assert len(holds) and (set(holds) <= set(owner[t["triangles"] == i]))
+
+
+@pytest.mark.parametrize(
+    "parameters", [KdTreeParameters(), KdTreeParameters(pairs=False), KdTreeParameters(pairs=False, small_size=32)]
+)
+def test_the_tree_costs_little_more_than_an_exact_one(ctx, keep, parameters):
+    soup = scenes.scene(1000, 1.0)
+    triangles, tree = Triangles.of(ctx, soup), KdTree(ctx, parameters)
+    keep += [triangles, tree]
+    tree.build(triangles)
+    nodes = tree.arrays()
+    cost = exact.sah_cost(nodes | {"count": nodes["pairs"]}, parameters.C_ts)
+    parts = soup.reshape(-1, 2, 3, 3) if parameters.pairs else soup
+    best = exact.sah_cost(exact.build(parts, parameters.C_ts), parameters.C_ts)
+    # Boxes are not clipped in small nodes; on the other hand the greedy choice of the exact tree is not the best one.
+    assert 0.9 * best < cost < 1.08 * best
+
+
+def test_no_lane_counts_more_than_it_can(ctx, keep, monkeypatch):
+    """Many references take more lanes; the tree is as good, and holds the same."""
+    soup = scenes.scene(3000, 0.3)
+    triangles, few, many = Triangles.of(ctx, soup), KdTree(ctx), KdTree(ctx)
+    keep += [triangles, few, many]
+    few.build(triangles)
+    monkeypatch.setattr("glcloth.accel.kdtree.LANE_REFS", 16)
+    many.build(triangles)
+    trees = [tree.arrays() for tree in (few, many)]
+    costs = [exact.sah_cost(tree | {"count": tree["pairs"]}, 2.0) for tree in trees]
+    assert costs[1] == pytest.approx(costs[0], rel=1e-3)
+    assert set(trees[1]["triangles"]) == set(range(len(soup)))
+    assert many.large_levels == few.large_levels
+
+
+def test_buffers_that_are_too_small_grow(ctx, keep):
+    soup = scenes.scene(3000, 0.3)
+    triangles, tree, small = Triangles.of(ctx, soup), KdTree(ctx), KdTree(ctx, room=0.05)
+    keep += [triangles, tree, small]
+    tree.build(triangles)
+    small.build(triangles)
+    assert small.growths > 0 and tree.growths == 0
+    for key, array in tree.arrays().items():
+        np.testing.assert_array_equal(array, small.arrays()[key])
+    small.build(triangles)
+    grown = small.growths
+    small.build(triangles)
+    assert small.growths == grown
+
+
+def test_pairs_are_found_and_meet_the_same(ctx, queries, keep):
+    """Strips, fans and loose triangles, their corners turned: pairs share an edge, no triangle is in two, hits are alike."""
+    rng = np.random.default_rng(4)
+    grid = scenes.grid_triangles(scenes.curtain_grid(9, 7))
+    loose = rng.normal(size=(25, 3, 3))
+    soup = np.concatenate([scenes.room(), loose[:11], grid, loose[11:], grid[:5] + 1.0])
+    turned = soup[np.arange(len(soup))[:, None], (np.arange(3) + rng.integers(0, 3, (len(soup), 1))) % 3]
+    material = np.where(np.arange(len(soup)) < 146, 1, 0)
+    turn, joined = find_pairs(turned, material)
+    assert not (joined[1:] & joined[:-1]).any() and joined.sum() >= 73 + 48 + 2
+    straight = turned[np.arange(len(soup))[:, None], (turn[:, None] + np.arange(3)) % 3]
+    one, two = straight[:-1][joined[:-1]], straight[1:][joined[:-1]]
+    np.testing.assert_array_equal(one[:, [2, 1]], two[:, :2])
+    triangles, judge = Triangles.of(ctx, turned), Brute(ctx)
+    judge.build(triangles)
+    rays = all_rays(soup, 4000)
+    for pairs in (True, False):
+        tree = KdTree(ctx, KdTreeParameters(pairs=pairs))
+        keep += [tree]
+        tree.build(triangles)
+        same_hits(queries.closest_hit(tree, *rays), queries.closest_hit(judge, *rays))
+
+
+def test_large_leaves_are_few(ctx, keep):
+    """100 coincident triangles make one leaf of 100, not a tree without end."""
+    triangles, tree = Triangles.of(ctx, scenes.degenerate_scenes()["100 coincident"]), KdTree(ctx)
+    keep += [triangles, tree]
+    tree.build(triangles)
+    assert tree.node_count < 50 and tree.arrays()["count"].max() == 100
+
+
+def test_too_many_copies_are_refused(ctx, keep):
+    triangles, tree = Triangles.of(ctx, np.repeat(np.eye(3)[None], 60_001, 0)), KdTree(ctx)
+    keep += [triangles, tree]
+    with pytest.raises(InputError, match="copies"):
+        tree.build(triangles)
+
+
+def test_parameters_are_checked():
+    for bad in ({"small_size": 65}, {"small_size": 0}, {"C_ts": -1.0}, {"growth_limit": 3.0}, {"empty_share": 0.0}):
+        with pytest.raises(InputError, match=next(iter(bad))):
+            KdTreeParameters(**bad)
+
+
+def test_the_reference_tree_by_hand():
+    """Two far triangles: one cut at each side of the gap, or between them, and the cost by equation 6."""
+    near = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 1.0]])
+    soup = np.stack([near, near + np.array([9, 0, 0])])
+    cost, axis, plane = exact.best_split(
+        np.stack([soup.min(1), soup.max(1)], 1), np.zeros(3), np.array([10, 1, 1.0]), 0.5
+    )
+    area = 10 + 10 + 1
+    assert axis == 0 and plane in (1.0, 9.0)
+    assert cost == pytest.approx(0.5 + ((1 + 1 + 1) * 1 + (9 + 9 + 1) * 1) / area)
+    inside = exact.clip_polygons(near[None], np.zeros(3), np.array([0.5, 2, 2]))[0]
+    inside = inside[~np.isnan(inside[:, 0])]
+    assert inside[:, 0].max() == 0.5 and len(inside) == 4
+
+
+def test_the_tree_grows_no_faster_than_the_scene(ctx, keep):
+    """Four times the triangles make about four times the nodes and references, and no level more than the cap allows."""
+    sizes = []
+    for count in (3_000, 12_000, 48_000):
+        triangles, tree = Triangles.of(ctx, scenes.scene(count, 1.0)), KdTree(ctx)
+        keep += [triangles, tree]
+        tree.build(triangles)
+        sizes.append((tree.node_count, tree.leaf_ref_count, tree.large_levels + tree.small_levels))
+        assert tree.growths == 0
+    for small, large in pairwise(sizes):
+        assert large[0] < 4.4 * small[0] and large[1] < 4.4 * small[1] and large[2] <= small[2] + 8
+
+
+def test_triangles_that_move_keep_their_pairs_while_these_share_edges(ctx):
+    rng = np.random.default_rng(3)
+    x, corners, *_ = shapes.plane(divisions=6)
+    moved = x + rng.normal(scale=0.02, size=x.shape)
+    torn = moved[corners] + 0.1 * np.arange(len(corners))[:, None, None]
+    triangles = Triangles.of(ctx, x[corners])
+    pairs = triangles.pairs()
+    assert pairs[0] < len(corners)
+    for soup in (moved[corners], torn):
+        triangles.move(soup)
+        fresh = Triangles.of(ctx, soup)
+        assert np.array_equal(triangles.positions(), fresh.positions()) and triangles.padding == fresh.padding
+        assert triangles.corners.buffer.read() == fresh.corners.buffer.read()
+        assert triangles.attributes.buffer.read() == fresh.attributes.buffer.read()
+        assert triangles.pairs()[0] == fresh.pairs()[0] and np.array_equal(triangles.turn, fresh.turn)
+    assert triangles.pairs()[0] == len(corners)
