@@ -1,10 +1,14 @@
-"""Buffers on the GPU: texture buffers, which moderngl lacks and which shaders read fastest."""
+"""Buffers on the GPU: storage buffers, and texture buffers, which moderngl lacks and which shaders read fastest."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import moderngl
 import numpy as np
 from OpenGL import GL
+
+from .context_local import of_context
 
 # texel format: (OpenGL internal format, bytes per texel)
 _FORMATS = {
@@ -21,43 +25,33 @@ _FORMATS = {
 SCRATCH_UNIT = 47  # OpenGL 4.3 has at least 48 units
 
 
-class TextureBuffer:
-    """A buffer that shaders read by `texelFetch(samplerBuffer, i)`; `.buffer` can also be bound as a storage buffer.
-
-    On llvmpipe a texel fetch costs a tenth of a storage-buffer load. A shader must not read it by texelFetch in the
-    same dispatch that writes `.buffer`.
+class Buffer:
+    """A storage buffer that grows.
 
     Parameters
     ----------
     ctx : moderngl context, current
     data : initial content (array or bytes), or the size in bytes to reserve
-    format : texel format, one of rgba32f rg32f r32f rgba16f rgba32ui rg32ui rg32i r32ui r32i
     """
 
-    def __init__(self, ctx: moderngl.Context, data, format: str = "rgba32f"):
+    least = 4  # bytes
+
+    def __init__(self, ctx: moderngl.Context, data: Any):
         self.ctx = ctx
-        self._format, self.texel_bytes = _FORMATS[format]
         if isinstance(data, int):
-            self.buffer = ctx.buffer(reserve=max(data, self.texel_bytes), dynamic=True)
+            self.buffer = ctx.buffer(reserve=max(data, self.least), dynamic=True)
         else:
-            self.buffer = ctx.buffer(_bytes(data) or bytes(self.texel_bytes), dynamic=True)
-        self._texture = int(GL.glGenTextures(1))
-        self._attach()
+            self.buffer = ctx.buffer(_bytes(data) or bytes(self.least), dynamic=True)
 
     def _attach(self) -> None:
-        # On a unit that no shader uses, so that a buffer which grows between binding and drawing unbinds nothing.
-        GL.glActiveTexture(GL.GL_TEXTURE0 + SCRATCH_UNIT)
-        GL.glBindTexture(GL.GL_TEXTURE_BUFFER, self._texture)
-        GL.glTexBuffer(GL.GL_TEXTURE_BUFFER, self._format, self.buffer.glo)
-        GL.glBindTexture(GL.GL_TEXTURE_BUFFER, 0)
-        GL.glActiveTexture(GL.GL_TEXTURE0)
+        """Tell what hangs on `buffer` that it is another one."""
 
     @property
     def size(self) -> int:
         """Bytes reserved."""
         return self.buffer.size
 
-    def write(self, data, offset: int = 0) -> None:
+    def write(self, data: Any, offset: int = 0) -> None:
         """Replace the content from byte `offset` on; grow the buffer when it is too small (old content is then lost)."""
         raw = _bytes(data)
         if offset + len(raw) > self.buffer.size:
@@ -79,8 +73,67 @@ class TextureBuffer:
             old.release()
             self._attach()
 
+    def read(self, size: int = -1, offset: int = 0) -> bytes:
+        """Return `size` bytes from byte `offset` on (-1: all), read through a copy.
+
+        NVIDIA's driver moves a buffer that the CPU reads into the CPU's memory, where shaders are slow on it.
+        """
+        size = self.buffer.size - offset if size < 0 else size
+        return of_context(Staging, self.ctx).read(self.buffer, size, offset) if size else b""
+
+    def release(self) -> None:
+        """Free the buffer."""
+        self.buffer.release()
+
+
+class Staging:
+    """The buffer that read-backs of one context go through."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self._copy: moderngl.Buffer | None = None
+        self.reads = self.bytes = 0  # what the CPU has waited for so far
+
+    def read(self, buffer: moderngl.Buffer, size: int, offset: int) -> bytes:
+        """Return `size` bytes of a buffer from byte `offset` on."""
+        if self._copy is None or self._copy.size < size:
+            if self._copy is not None:
+                self._copy.release()
+            self._copy = self.ctx.buffer(reserve=max(size, 1 << 16), dynamic=True)
+        self.ctx.copy_buffer(self._copy, buffer, size, read_offset=offset)
+        self.reads, self.bytes = self.reads + 1, self.bytes + size
+        return self._copy.read(size)
+
+
+class TextureBuffer(Buffer):
+    """A buffer that shaders read by `texelFetch(samplerBuffer, i)`, and that can also be bound as a storage block.
+
+    On llvmpipe a texel fetch costs a tenth of a storage-buffer load. A shader must not read it by texelFetch in the
+    same dispatch that writes it as a block.
+
+    Parameters
+    ----------
+    ctx, data : as for Buffer
+    format : texel format, one of rgba32f rg32f r32f rgba16f rgba32ui rg32ui rg32i r32ui r32i
+    """
+
+    def __init__(self, ctx: moderngl.Context, data: Any, format: str = "rgba32f"):
+        self._format, self.texel_bytes = _FORMATS[format]
+        self.least = self.texel_bytes
+        super().__init__(ctx, data)
+        self._texture = int(GL.glGenTextures(1))
+        self._attach()
+
+    def _attach(self) -> None:
+        # On a unit that no shader uses, so that a buffer which grows between binding and drawing unbinds nothing.
+        GL.glActiveTexture(GL.GL_TEXTURE0 + SCRATCH_UNIT)
+        GL.glBindTexture(GL.GL_TEXTURE_BUFFER, self._texture)
+        GL.glTexBuffer(GL.GL_TEXTURE_BUFFER, self._format, self.buffer.glo)
+        GL.glBindTexture(GL.GL_TEXTURE_BUFFER, 0)
+        GL.glActiveTexture(GL.GL_TEXTURE0)
+
     def bind(self, unit: int) -> None:
-        """Bind for reading at a texture unit (the shader says `layout(binding = unit) uniform samplerBuffer ...`)."""
+        """Bind for reading at a texture unit."""
         GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
         GL.glBindTexture(GL.GL_TEXTURE_BUFFER, self._texture)
         GL.glActiveTexture(GL.GL_TEXTURE0)
@@ -88,8 +141,8 @@ class TextureBuffer:
     def release(self) -> None:
         """Free the texture and the buffer."""
         GL.glDeleteTextures(1, [self._texture])
-        self.buffer.release()
+        super().release()
 
 
-def _bytes(data) -> bytes:
+def _bytes(data: Any) -> bytes:
     return data if isinstance(data, bytes | bytearray) else np.ascontiguousarray(data).tobytes()

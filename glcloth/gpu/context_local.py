@@ -1,0 +1,18 @@
+"""One instance of a class for each context: what all rooms share on it, without handing it round."""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import moderngl
+
+T = TypeVar("T")
+
+
+def of_context(kind: type[T], ctx: moderngl.Context) -> T:
+    """The instance of `kind` that belongs to a context; made by `kind(ctx)` at the first call."""
+    if not isinstance(ctx.extra, dict):
+        ctx.extra = {}
+    if kind not in ctx.extra:
+        ctx.extra[kind] = kind(ctx)
+    return ctx.extra[kind]
