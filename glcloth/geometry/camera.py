@@ -84,3 +84,14 @@ class Camera:
         toward = vector.normalise(np.asarray(direction, float))
         eye = np.asarray(center, float) + toward * max(radius, 1e-6) / np.sin(half)
         return Camera(tuple(eye), tuple(center), (0.0, 1.0, 0.0), fov_deg)
+
+
+def sample_offsets(spp: int) -> list[tuple[float, float]]:
+    """Where in the pixel the samples lie, relative to its centre: the R2 sequence, one sample at the centre.
+
+    Roberts 2018, "The unreasonable effectiveness of quasirandom sequences": evenly spread for any number of samples.
+    """
+    if spp == 1:
+        return [(0.0, 0.0)]
+    g = 1.32471795724474602596
+    return [(float((0.5 + n / g) % 1.0 - 0.5), float((0.5 + n / g**2) % 1.0 - 0.5)) for n in range(spp)]

@@ -4,33 +4,37 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import moderngl
 import numpy as np
 
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
-from . import shader
 from .buffers import TextureBuffer
+from .programs import Draw, Inputs, programs
+from .screen import Blend, draw_screen
 
-FRAME_UNITS = (3, 4)  # texture units of frame_N and frame_x, as inputs/picture/gbuffer.glsl declares them
-NEARER_UNIT = 8  # of the depth that others left, in surface.frag
-POINT_UNITS = (
-    6,
-    7,
-)  # of frame_p and frame_b, as inputs/picture/gbuffer_point.glsl declares them; of the mesh in surface.frag
-NUMBER_UNIT = 5  # of the triangles' numbers in surface.frag
 VERTEX_TEXELS = 3  # position, normal, tangent
+FRAMES = {"frame_N": 4, "frame_x": 4, "frame_p": 4, "frame_b": 2}  # of passes/picture/surface.frag: components
 
 
 class MeshBuffers:
     """One mesh on the GPU, to be drawn and to be fetched from: `vertices` has VERTEX_TEXELS for each, `indices` three
     texels a triangle."""
 
-    def __init__(self, ctx: moderngl.Context, mesh: Mesh, lift: np.ndarray | None = None):
-        """`lift` [V, 2]: how far in front and behind the surface that hides light lies below the curved one, where it is
-        coarser than the mesh."""
+    def __init__(
+        self, ctx: moderngl.Context, mesh: Mesh, lift: np.ndarray | None = None, one_sided_from: int | None = None
+    ):
+        """
+        Parameters
+        ----------
+        lift : [V, 2] how far in front and behind the surface that hides light lies below the curved one, where it is
+            coarser than the mesh
+        one_sided_from : from this triangle on only the front is drawn
+        """
         self.mesh = mesh
+        self.one_sided_from = len(mesh.triangles) if one_sided_from is None else one_sided_from
         vertices = np.zeros((len(mesh.positions), VERTEX_TEXELS, 4), "f4")
         vertices[:, 0, :3], vertices[:, 1, :3], vertices[:, 2] = mesh.positions, mesh.normals, mesh.tangents
         if lift is not None:
@@ -57,73 +61,69 @@ class MeshBuffers:
         self.band_indices.write(self.mesh.triangles[numbers].astype("i4"))
 
     def release(self) -> None:
+        """Free the GPU's memory."""
         for thing in (self.vertices, self.indices, self.numbers, self.band_indices, self.band_numbers):
             thing.release()
 
 
 @dataclass(frozen=True)
-class Among:
-    """How a mesh is drawn together with others, each into a G-buffer of its own.
+class Drawn:
+    """What a G-buffer holds.
 
     Parameters
     ----------
-    depths : near and far distance for all of them
-    nearer : what stands before the mesh hides it; None: this is drawn first
-    state : what `nearer` holds
-    first_of_ground : from this triangle on only the front is drawn
+    mesh, camera, offset : that were drawn, each pixel sampled at its centre + `offset`
+    depths : near and far distance
+    before : what the surfaces drawn before it held, which hide it where they are nearer
     """
 
+    mesh: MeshBuffers
+    camera: Camera
+    offset: tuple[float, float]
     depths: tuple[float, float]
-    nearer: GBuffer | None = None
-    state: tuple | None = None
-    first_of_ground: int = 1 << 30
+    before: tuple[Drawn, ...] = ()
 
 
 class GBuffer:
-    """Frames and depth of one view; `shade` runs a program for each covered pixel, hidden ones cost nothing."""
+    """Frames and depth of one surface in one view; `shade` runs a program for each pixel that sees it."""
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], program: moderngl.Program | None = None):
-        """`program`: that of another G-buffer, so that a second size compiles nothing."""
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], color: moderngl.Texture | None = None):
+        """`color`: the picture that it is shaded into, shared with the other surfaces; None: one of its own."""
         self.ctx, self.size = ctx, size
-        self.frame_N = ctx.texture(size, 4, dtype="f4")
-        self.frame_x = ctx.texture(size, 4, dtype="f4")
-        self.frame_p = ctx.texture(size, 4, dtype="f4")
-        self.frame_b = ctx.texture(size, 2, dtype="f4")
-        self.color = ctx.texture(size, 4, dtype="f4")
-        for texture in (self.frame_N, self.frame_x, self.frame_p, self.frame_b, self.color):
+        self._textures = {name: ctx.texture(size, components, dtype="f4") for name, components in FRAMES.items()}
+        self.color = ctx.texture(size, 4, dtype="f4") if color is None else color
+        for texture in (*self._textures.values(), self.color):
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        self.depth = ctx.depth_texture(size)
-        self.depth.compare_func = ""  # read as a number, where another mesh is drawn after this one
-        self.depth.filter = moderngl.NEAREST, moderngl.NEAREST
-        self.frames = ctx.framebuffer([self.frame_N, self.frame_x, self.frame_p, self.frame_b], self.depth)
+        self.depth = depth_texture(ctx, size)
+        self.frames = ctx.framebuffer([*self._textures.values()], self.depth)
         self.target = ctx.framebuffer([self.color], self.depth)
-        self.program = program or shader.program(ctx, "passes/picture/surface.vert", "passes/picture/surface.frag")
-        self._among_program = None
-        self.released = False
-        self.seen: moderngl.TextureArray | None = None  # what each pixel sees of the lights, if a method asks
         self.ray_from_pixel = np.eye(3)
-        self._drawn: tuple | None = None
+        self._drawn: Drawn | None = None
+        self._owns_color = color is None
 
-    def draw(self, mesh: MeshBuffers, camera: Camera, offset=(0.0, 0.0), among: Among | None = None) -> None:
-        """Fill the frames and the depth with one mesh, seen by `camera`, each pixel sampled at its centre + `offset`.
+    # -- drawing -----------------------------------------------------------------------------------------------------
 
-        `among`: how it is drawn together with others. Does nothing when they hold just that: an edit of fabric or light
-        moves no pixel.
-        """
-        for _ in self.draw_bands(mesh, camera, offset, self.size[1], among):
+    def draw(self, mesh: MeshBuffers, camera: Camera, offset: tuple[float, float] = (0.0, 0.0)) -> None:
+        """Fill the frames and the depth with one mesh alone, seen by `camera`, each pixel sampled at centre + `offset`."""
+        wanted = Drawn(mesh, camera, offset, camera.depth_range(mesh.low, mesh.high))
+        for _ in self.draw_bands(wanted, self.size[1]):
             pass
 
-    def draw_bands(
-        self, mesh: MeshBuffers, camera: Camera, offset, rows: int, among: Among | None = None
-    ) -> Iterator[None]:
-        """As `draw`, so many rows at a time, for a caller with other things to do in between."""
-        if self._drawn == (mesh, camera, offset, among):
+    def draw_bands(self, wanted: Drawn, rows: int, nearer: moderngl.Texture | None = None) -> Iterator[None]:
+        """As `draw`, so many rows at a time, for a caller with other things to do in between.
+
+        Parameters
+        ----------
+        wanted : what is drawn; nothing is done when the frames hold just that: an edit of fabric or light moves no pixel
+        nearer : the depth of what stands before the mesh
+        """
+        if self._drawn == wanted:
             return
         self._drawn = None
-        near, far = camera.depth_range(mesh.low, mesh.high) if among is None else among.depths
-        clip = camera.clip_from_world(self.size, near, far, offset)
-        self.ray_from_pixel = camera.ray_from_pixel(self.size, offset)
-        height = self.size[1]
+        mesh, height = wanted.mesh, self.size[1]
+        clip = wanted.camera.clip_from_world(self.size, *wanted.depths, wanted.offset)
+        self.ray_from_pixel = wanted.camera.ray_from_pixel(self.size, wanted.offset)
+        program = self._program(wanted, nearer)
         if rows < height:
             low, high = mesh.heights(clip)
         for first in range(0, height, rows):
@@ -132,12 +132,23 @@ class GBuffer:
                 # A pixel more to either side, for the rasteriser rounds as it likes.
                 below, above = (2.0 * (y / height) - 1.0 for y in (first - 1, first + rows + 1))
                 numbers = np.flatnonzero((high >= below) & (low <= above))
-            band = (0, first, self.size[0], min(rows, height - first))
-            self._draw_band(mesh, clip, camera.eye, band, numbers, among)
+            program.bind(clip_from_world=clip, eye=wanted.camera.eye)
+            self._draw_band(mesh, program, (0, first, self.size[0], min(rows, height - first)), numbers)
             yield
-        self._drawn = mesh, camera, offset, among
+        self._drawn = wanted
 
-    def _draw_band(self, mesh: MeshBuffers, clip, eye, band: tuple[int, int, int, int], numbers, among) -> None:
+    def _program(self, wanted: Drawn, nearer: moderngl.Texture | None) -> Draw:
+        alone = not wanted.before and wanted.mesh.one_sided_from == len(wanted.mesh.mesh.triangles)
+        paths = "passes/picture/surface.vert", "passes/picture/surface.frag"
+        if alone:
+            return programs(self.ctx).draw(*paths)
+        program = programs(self.ctx).draw(*paths, {"AMONG_OTHERS": 1})
+        program.bind(one_sided_from=wanted.mesh.one_sided_from, hidden_by_others=nearer is not None)
+        if nearer is not None:
+            program.bind(nearer=nearer)
+        return program
+
+    def _draw_band(self, mesh: MeshBuffers, program: Draw, band: tuple[int, int, int, int], numbers) -> None:
         """Draw all triangles, or those of `numbers`, into a band of the frames."""
         self.frames.scissor = None if numbers is None else band
         self.frames.use()
@@ -148,35 +159,45 @@ class GBuffer:
                 self.frames.scissor = None
                 return
             mesh.choose(numbers)
-        program = self.program if among is None else self._program_among(among)
-        program["clip_from_world"].write(clip.T.astype("f4").tobytes())
-        program["eye"].value = eye
         layout = [(mesh.vertices.buffer, "3f 1x4 3f 1x4 4f", "in_position", "in_normal", "in_tangent")]
         indices = mesh.indices if numbers is None else mesh.band_indices
-        array = self.ctx.vertex_array(program, layout, indices.buffer, 4)
-        mesh.vertices.bind(POINT_UNITS[0])
-        mesh.indices.bind(POINT_UNITS[1])
-        (mesh.numbers if numbers is None else mesh.band_numbers).bind(NUMBER_UNIT)
+        array = self.ctx.vertex_array(program.linked, layout, indices.buffer, 4)
+        program.bind(
+            vertex_data=mesh.vertices,
+            corner_index=mesh.indices,
+            triangle_number=mesh.numbers if numbers is None else mesh.band_numbers,
+        )
         self.ctx.enable_only(moderngl.DEPTH_TEST)
         self.ctx.depth_func = "<"
         self.frames.depth_mask = True
         array.render(vertices=3 * len(mesh.mesh.triangles if numbers is None else numbers))
         array.release()
+        self.ctx.enable_only(moderngl.NOTHING)
         self.frames.scissor = None
 
-    def _program_among(self, among: Among):
-        """The program that draws a mesh among others, ready for it; compiled at first use."""
-        if self._among_program is None:
-            defines = {"AMONG_OTHERS": 1}
-            self._among_program = shader.program(
-                self.ctx, "passes/picture/surface.vert", "passes/picture/surface.frag", defines
-            )
-        shader.set_uniforms(
-            self._among_program, first_of_ground=among.first_of_ground, hidden_by_others=among.nearer is not None
-        )
-        if among.nearer is not None:
-            among.nearer.depth.use(NEARER_UNIT)
-        return self._among_program
+    def cut(self, later: GBuffer) -> None:
+        """Uncover the pixels that another G-buffer, drawn after this one, covers."""
+        program = programs(self.ctx).screen("passes/picture/cut.frag")
+        draw_screen(program, self.frames, depth="written", later_N=later.frame("frame_N"))
+
+    @property
+    def drawn(self) -> Drawn | None:
+        """What the frames hold."""
+        return self._drawn
+
+    def forget(self) -> None:
+        """Draw anew at the next call, whatever the frames hold."""
+        self._drawn = None
+
+    # -- shading -----------------------------------------------------------------------------------------------------
+
+    def frame(self, name: str) -> moderngl.Texture:
+        """One of the textures that passes/picture/surface.frag fills, by its name there."""
+        return self._textures[name]
+
+    def inputs(self) -> dict[str, Any]:
+        """What inputs/picture/gbuffer.glsl and gbuffer_point.glsl read."""
+        return {**self._textures, "ray_from_pixel": self.ray_from_pixel}
 
     def clear_color(self) -> None:
         """Black, alpha 0, everywhere."""
@@ -185,73 +206,13 @@ class GBuffer:
         self.target.depth_mask = False  # what `draw` left stays
         self.target.clear(0.0, 0.0, 0.0, 0.0)
 
-    def bind(self, program) -> None:
-        """Give a program that includes inputs/picture/gbuffer.glsl its frames and rays."""
-        self.frame_N.use(FRAME_UNITS[0])
-        self.frame_x.use(FRAME_UNITS[1])
-        if "ray_from_pixel" in program:
-            program["ray_from_pixel"].write(self.ray_from_pixel.T.astype("f4").tobytes())
-        if "frame_p" in program:
-            self.bind_points(program)
-
-    def bind_points(self, program) -> None:
-        """Give a program that includes inputs/picture/gbuffer_point.glsl the point and the triangle that each pixel sees."""
-        self.frame_p.use(POINT_UNITS[0])
-        self.frame_b.use(POINT_UNITS[1])
-
-    @property
-    def drawn(self) -> tuple | None:
-        """What the frames hold: the mesh's buffers, the camera and the place in the pixel."""
-        return self._drawn
-
-    def reserve_seen(self, layers: int) -> moderngl.TextureArray:
-        """`seen` with at least so many layers of four bytes a pixel; the content is lost when it grows."""
-        if self.seen is None or self.seen.layers < layers:
-            if self.seen is not None:
-                self.seen.release()
-            self.seen = self.ctx.texture_array((*self.size, layers), 4, dtype="f1")
-            self.seen.filter = moderngl.NEAREST, moderngl.NEAREST
-        return self.seen
-
-    def shade(self, program, add: bool = False, rows: tuple[int, int] | None = None) -> None:
-        """Run a program of passes/picture/screen.vert for every covered pixel; `add` its colour instead of setting it.
+    def shade(self, program: Draw, *inputs: Inputs, add: bool = False, rows: tuple[int, int] | None = None) -> None:
+        """Run a program for every covered pixel; `add` its colour instead of setting it.
 
         `rows` = (first, count), counted from below, limits it to a band of the picture.
-
-        The screen triangle lies on the far plane and passes where something nearer was drawn, so early depth testing
-        drops uncovered pixels before they are shaded.
         """
-        self.bind(program)
-        self.target.scissor = None if rows is None else (0, rows[0], self.size[0], rows[1])
-        self.target.use()
-        self.target.viewport = (0, 0, *self.size)
-        self.target.depth_mask = False
-        self.ctx.enable_only(moderngl.DEPTH_TEST | (moderngl.BLEND if add else 0))
-        self.ctx.depth_func = ">"
-        if add:
-            self.ctx.blend_func = moderngl.ONE, moderngl.ONE
-        array = self.ctx.vertex_array(program, [])
-        array.render(moderngl.TRIANGLES, vertices=3)
-        array.release()
-        self.ctx.depth_func = "<"
-        self.ctx.enable_only(moderngl.NOTHING)
-        if rows is not None:
-            self.target.scissor = None
-
-    def fill_behind(self, program, target: moderngl.Framebuffer | None = None) -> None:
-        """Run a program over the whole screen, behind what was shaded: weighted by what the cloth leaves uncovered.
-
-        `target`: another framebuffer of the same size to fill instead of the colour target.
-        """
-        if "ray_from_pixel" in program:
-            program["ray_from_pixel"].write(self.ray_from_pixel.T.astype("f4").tobytes())
-        (target or self.target).use()
-        self.ctx.enable_only(moderngl.BLEND)
-        self.ctx.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
-        array = self.ctx.vertex_array(program, [])
-        array.render(moderngl.TRIANGLES, vertices=3)
-        array.release()
-        self.ctx.enable_only(moderngl.NOTHING)
+        blend: Blend = "add" if add else "replace"
+        draw_screen(program, self.target, self.inputs(), *inputs, blend=blend, depth="covered", rows=rows)
 
     def read(self) -> np.ndarray:
         """The shaded picture, float32 [H, W, 4], top row first; alpha 1 where covered."""
@@ -260,23 +221,47 @@ class GBuffer:
 
     def covered(self) -> np.ndarray:
         """bool [H, W], top row first: which pixels see the mesh."""
-        data = np.frombuffer(self.frame_N.read(), "f4").reshape(self.size[1], self.size[0], 4)
+        data = np.frombuffer(self.frame("frame_N").read(), "f4").reshape(self.size[1], self.size[0], 4)
         return data[::-1, :, 3] != 0.0
 
     def release(self) -> None:
-        self.released = True
+        """Free the GPU's memory."""
         # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
         self.ctx.detect_framebuffer(0).use()
-        for thing in (
-            self.frames,
-            self.target,
-            self.frame_N,
-            self.frame_x,
-            self.frame_p,
-            self.frame_b,
-            self.color,
-            self.depth,
-        ):
+        own = [self.color] if self._owns_color else []
+        for thing in (self.frames, self.target, *self._textures.values(), self.depth, *own):
             thing.release()
-        if self.seen is not None:
-            self.seen.release()
+
+
+def depth_texture(ctx: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:
+    """A depth texture that shaders read as a number."""
+    depth = ctx.depth_texture(size)
+    depth.compare_func = ""
+    depth.filter = moderngl.NEAREST, moderngl.NEAREST
+    return depth
+
+
+class DepthOrder:
+    """The depth of what is nearest so far, while several surfaces are drawn one after the other."""
+
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int]):
+        self.ctx = ctx
+        self.nearest = depth_texture(ctx, size)
+        self._target = ctx.framebuffer([], self.nearest)
+
+    def clear(self) -> None:
+        """Nothing is there yet."""
+        self._target.use()
+        self._target.depth_mask = True
+        self._target.clear(depth=1.0)
+
+    def add(self, buffer: GBuffer) -> None:
+        """Take the depth of a surface that was drawn."""
+        program = programs(self.ctx).screen("passes/picture/nearest.frag")
+        draw_screen(program, self._target, {"depth": buffer.depth}, depth="nearest")
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self.ctx.detect_framebuffer(0).use()
+        self._target.release()
+        self.nearest.release()

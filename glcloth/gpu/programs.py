@@ -171,6 +171,13 @@ class Compute(Program):
         self.ctx.memory_barrier()
 
 
+    def run_indirect(self, arguments: Buffer, *inputs: Inputs, **own: Any) -> None:
+        """As `run_groups`, for as many work groups as the first three numbers of a buffer on the GPU say."""
+        self.bind(*inputs, **own)
+        self.linked.run_indirect(arguments.buffer)
+        self.ctx.memory_barrier()
+
+
 class Draw(Program):
     """A program of a vertex and a fragment pass."""
 

@@ -9,6 +9,8 @@ import moderngl
 from .programs import Draw, Inputs
 
 Blend = Literal["replace", "add", "behind"]
+Depth = Literal["ignored", "covered", "nearest", "written"]
+_DEPTH_FUNC = {"covered": ">", "nearest": "<", "written": "1"}
 
 
 def draw_screen(
@@ -16,7 +18,7 @@ def draw_screen(
     target: moderngl.Framebuffer,
     *inputs: Inputs,
     blend: Blend = "replace",
-    covered: bool = False,
+    depth: Depth = "ignored",
     rows: tuple[int, int] | None = None,
     **own: Any,
 ) -> None:
@@ -25,8 +27,9 @@ def draw_screen(
     Parameters
     ----------
     blend : "replace" what is there, "add" to it, or go "behind" it, by what its alpha leaves uncovered
-    covered : only the pixels where the framebuffer's depth holds something nearer than the far plane; the screen
-        triangle lies on that plane, so early depth testing drops the others before they are shaded
+    depth : "covered": only the pixels where the framebuffer's depth holds something nearer than the program's, which is
+        that of the far plane; early depth testing drops the others before they are shaded. "nearest" and "written": the
+        program's depth is kept where it is nearer, or everywhere
     rows : (first, count), counted from below: only this band
     """
     ctx = target.ctx
@@ -34,12 +37,12 @@ def draw_screen(
     target.scissor = None if rows is None else (0, rows[0], target.width, rows[1])
     target.use()
     target.viewport = (0, 0, target.width, target.height)
-    if covered:
-        target.depth_mask = False
-    ctx.enable_only((moderngl.DEPTH_TEST if covered else 0) | (0 if blend == "replace" else moderngl.BLEND))
+    target.depth_mask = depth in ("nearest", "written")
+    ctx.enable_only(
+        (0 if depth == "ignored" else moderngl.DEPTH_TEST) | (0 if blend == "replace" else moderngl.BLEND)
+    )
     ctx.blend_func = (moderngl.ONE, moderngl.ONE) if blend == "add" else (moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE)
-    if covered:
-        ctx.depth_func = ">"
+    ctx.depth_func = _DEPTH_FUNC.get(depth, "<")
     program.screen.render(moderngl.TRIANGLES, vertices=3)
     ctx.depth_func = "<"
     ctx.enable_only(moderngl.NOTHING)

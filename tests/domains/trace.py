@@ -111,7 +111,7 @@ SPECIAL = {
 }
 TOLERANCE = {
     # Words are compared as numbers: the last bit of a share.
-    "packed_sums": (1e-7, 1.0),
+    "packed_sums": (0.0, 1.0),  # units in the last place of each half
     # 1 / d is up to 1e3, and low - o cancels to 1e-7.
     "slab": (3e-5, 3e-4),
     # t, v and w are divided by the determinant, which is small for triangles seen edge-on.
@@ -119,3 +119,5 @@ TOLERANCE = {
     # mix(a, b, f) where the two distances nearly cancel.
     "clipped_box": (3e-5, 1e-5),
 }
+
+PACKED = ("packed_sums",)  # words of two 16-bit floats

@@ -173,7 +173,7 @@ def test_only_covered_pixels_are_shaded(ctx, monkeypatch):
     target.use()
     target.color_mask = True, True, True, True
     ctx.enable_only(moderngl.NOTHING)
-    draw_screen(programs(ctx).screen("<one>"), target, covered=True)
+    draw_screen(programs(ctx).screen("<one>"), target, depth="covered")
     assert np.frombuffer(picture.read(), "f4").reshape(2, 4)[:, 0].tolist() == [1.0, 0.0]
     ctx.detect_framebuffer(0).use()
     target.release(), picture.release(), depth.release()

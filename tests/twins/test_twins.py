@@ -48,6 +48,8 @@ def test_twin(ctx, path, name):
     args = arguments(path, name, parameters, 10_000, np.random.default_rng(7))
     got = twin.call(ctx, path, name, *args)
     expected = np.asarray(reference(*args))
+    if name in getattr(described(path), "PACKED", ()):  # GPUs round the last bit of a 16-bit float as they like
+        got, expected = (np.ascontiguousarray(values, "<u4").view("<u2").astype(float) for values in (got, expected))
     assert np.isfinite(expected).all(), "the twin itself is not finite: is the domain right?"
     rtol, atol = getattr(described(path), "TOLERANCE", {}).get(name, (domains.RTOL, domains.ATOL))
     error = np.abs(got - expected) - atol - rtol * np.abs(expected)

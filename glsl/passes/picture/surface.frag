@@ -8,13 +8,13 @@ in vec3 normal;
 in vec3 tangent;
 flat in float handedness;
 uniform vec3 eye;
-layout(binding = 6) uniform samplerBuffer vertex_data;   // three texels a vertex: position and normal, each with a lift; tangent
-layout(binding = 7) uniform isamplerBuffer corner_index;  // three a triangle
-layout(binding = 5) uniform isamplerBuffer triangle_number;  // of each that is drawn: all, or those of a band
+uniform samplerBuffer vertex_data;   // three texels a vertex: position and normal, each with a lift; tangent
+uniform isamplerBuffer corner_index;  // three a triangle
+uniform isamplerBuffer triangle_number;  // of each that is drawn: all, or those of a band
 #ifdef AMONG_OTHERS
-layout(binding = 8) uniform sampler2D nearer;  // the depth that other meshes left in a G-buffer of their own
+uniform sampler2D nearer;  // the depth of what was drawn before
 uniform bool hidden_by_others;
-uniform int first_of_ground;  // from this triangle on only the front is drawn
+uniform int one_sided_from;   // from this triangle on only the front is drawn
 #endif
 layout(location = 0) out vec4 frame_N;  // N, and 1 or -1: the handedness of (x, y, N); 0 where nothing is drawn
 layout(location = 1) out vec4 frame_x;  // x, and the side of the sheet that is seen: 1 front, -1 back
@@ -55,6 +55,6 @@ void main() {
     frame_b = weights.yz;
 #ifdef AMONG_OTHERS
     if (hidden_by_others && gl_FragCoord.z > texelFetch(nearer, ivec2(gl_FragCoord.xy), 0).r) discard;
-    if (number >= first_of_ground && !gl_FrontFacing) discard;
+    if (number >= one_sided_from && !gl_FrontFacing) discard;
 #endif
 }

@@ -1,0 +1,31 @@
+"""The environment as a texture: what stands behind a picture, and what rays meet that leave the scene."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+from ..light.environment import Environment
+from .memo import Last
+
+
+class EnvironmentMap:
+    """Keeps the texture of the last environment."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self._texture: Last[moderngl.Texture] = Last()
+
+    def texture(self, environment: Environment) -> moderngl.Texture:
+        """The equirectangular texture of an environment; the one before is freed."""
+        return self._texture.get(lambda: self._made(environment), environment)
+
+    def _made(self, environment: Environment) -> moderngl.Texture:
+        if self._texture.value is not None:
+            self._texture.value.release()
+        height, width = environment.radiance.shape[:2]
+        data = np.ascontiguousarray(environment.radiance, "f4").tobytes()
+        texture = self.ctx.texture((width, height), 3, data, dtype="f4", alignment=4)
+        texture.repeat_x, texture.repeat_y = True, False
+        texture.filter = moderngl.LINEAR, moderngl.LINEAR
+        return texture

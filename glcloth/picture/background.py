@@ -1,0 +1,32 @@
+"""The environment behind a picture."""
+
+from __future__ import annotations
+
+import moderngl
+
+from ..geometry.camera import sample_offsets
+from ..gpu.environment_map import EnvironmentMap
+from ..gpu.programs import programs
+from ..gpu.screen import draw_screen
+from ..light.environment import rotation_y
+from .frame import Frame
+
+
+class Background:
+    """Fills what the surfaces leave uncovered."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self._map = EnvironmentMap(ctx)
+
+    def draw(self, frame: Frame, target: moderngl.Framebuffer) -> None:
+        """Draw the environment of a frame behind its picture, seen through the centres of the pixels' last sample."""
+        offset = sample_offsets(frame.scene.spp)[-1]
+        draw_screen(
+            programs(self.ctx).screen("passes/picture/background.frag"),
+            target,
+            blend="behind",
+            environment_map=self._map.texture(frame.environment),
+            environment_from_world=rotation_y(-frame.scene.env_rotate),
+            ray_from_pixel=frame.camera.ray_from_pixel(target.size, offset),
+        )

@@ -1,0 +1,113 @@
+"""A cloth as a surface: a fabric on a mesh, shaded by one of the methods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ..geometry.mesh import Mesh
+from ..gpu.gbuffer import GBuffer, MeshBuffers
+from ..gpu.memo import Last
+from ..gpu.programs import Compute, Draw, programs
+from ..gpu.scene_buffers import SceneBuffers
+from ..methods.method import Method
+from ..methods.registry import make_method
+from ..settings import MethodName
+from ..visibility.hit_vertices import HitSurface
+from ..visibility.pixels import SEEN_ALL, PixelView
+from ..visibility.probes import lift_off_facets, subdivided
+from ..visibility.vertices import FLAT
+from .adaptive import AdaptiveRate
+from .frame import Cloth, Frame
+from .pace import Pace
+from .surface import Surface
+
+
+class ClothSurface(Surface):
+    """Cloth number n of a frame; it keeps its methods, its fabric's records and what its vertices see."""
+
+    method: Method
+
+    def __init__(self, ctx: moderngl.Context):
+        super().__init__(ctx, FLAT)
+        self.scene_buffers = SceneBuffers(ctx)
+        self._methods: dict[str, Method] = {}
+        self._finer: Last[Mesh] = Last()
+        self._adaptive: AdaptiveRate | None = None
+
+    def named_method(self, name: MethodName) -> Method:
+        """The method of a name, made at first use. Raises InputError for an unknown one."""
+        if name not in self._methods:
+            self._methods[name] = make_method(self.ctx, name)
+        return self._methods[name]
+
+    def prepare(self, cloth: Cloth, frame: Frame, finer: bool) -> None:
+        """Take another mesh, fabric, light or method; cheap where nothing changed.
+
+        `finer`: the mesh is drawn with more vertices, for the sake of its shadows.
+        """
+        scene = frame.scene
+        self.scene_buffers.prepare(cloth.fabric, frame.lights)
+        self.method = self.named_method(scene.method)
+        self.method.prepare(cloth.fabric, frame.lights, frame.settings)
+        self.passes = list(self.method.passes())
+        self.pass_count = len(self.passes)
+        self.original = cloth.mesh
+        self.adaptive = scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1
+        yarns = cloth.fabric.yarn
+        self._narrowest = float(np.radians(min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in yarns)))
+        drawn = self._finer.get(lambda: subdivided(cloth.mesh), cloth.mesh) if finer else cloth.mesh
+        self._place(lambda: self._uploaded(drawn, cloth.mesh), drawn)
+
+    def _uploaded(self, drawn: Mesh, original: Mesh) -> MeshBuffers:
+        return MeshBuffers(self.ctx, drawn, lift_off_facets(drawn, original) if drawn is not original else None)
+
+    @property
+    def broad(self) -> np.ndarray:
+        return self.method.broad
+
+    @property
+    def hit_surface(self) -> HitSurface:
+        return HitSurface(self.mesh, self.original)
+
+    @property
+    def reflectance(self) -> np.ndarray:
+        return self.visibility.furnace.albedo(self.scene_buffers)
+
+    # -- shading -----------------------------------------------------------------------------------------------------
+
+    def _virtual(self) -> dict[str, str]:
+        seen = SEEN_ALL if self.visibility.mode == "off" else self.visibility.source
+        return {"method.glsl": self.method.source, "seen.glsl": seen, **self.method.includes()}
+
+    @property
+    def program(self) -> Draw:
+        """The program that shades the pixels of a G-buffer."""
+        return programs(self.ctx).screen("passes/picture/shade.frag", self.method.defines(), self._virtual())
+
+    @property
+    def list_program(self) -> Compute:
+        """The program that shades the pixels of a list."""
+        return programs(self.ctx).compute("passes/picture/shade_list.comp", self.method.defines(), self._virtual())
+
+    def inputs(self, view: PixelView) -> dict[str, Any]:
+        """What these programs read beside the G-buffer."""
+        seen = {} if self.visibility.mode == "off" else view.inputs(self.scene_buffers)
+        return {**self.scene_buffers.inputs(), **seen, **self.method.inputs()}
+
+    def shade(
+        self, buffer: GBuffer, view: PixelView, number: int, weight: float, add: bool, rows: tuple[int, int] | None
+    ) -> None:
+        if number >= self.pass_count:
+            return
+        share = {"pass_weight": weight, "pass_cover": weight / self.pass_count, "pixel_stride": 1}
+        buffer.shade(self.program, self.inputs(view), share, self.passes[number], add=add, rows=rows)
+
+    def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:
+        if self._adaptive is None:
+            self._adaptive = AdaptiveRate(self.ctx)
+        inputs: Callable[[], Mapping[str, Any]] = lambda: self.inputs(view)  # noqa: E731
+        yield from self._adaptive.steps(buffer, self.program, self.list_program, self._narrowest, inputs, pace)

@@ -1,0 +1,176 @@
+"""From a scene to a frame: files are read and lights are fitted, and the last of each are kept."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..fabric import Fabric, load_fabric
+from ..geometry.camera import Camera
+from ..geometry.mesh import BUILTIN_MESHES, Mesh, load_mesh, load_view
+from ..geometry.props import Objects, arrange, load_solids
+from ..gpu.memo import Last
+from ..light.environment import Environment, load_environment, rotation_y
+from ..light.fit import fit_lights
+from ..light.lights import Lights, SphericalGaussians, as_lights
+from ..light.lights_file import load_lights
+from ..scene import Scene, load_scene
+from ..settings import Settings
+from ..visibility.pixels import is_next_pose
+
+
+@dataclass(frozen=True, eq=False)
+class Cloth:
+    """One cloth of a frame: a mesh and what it is woven of."""
+
+    mesh: Mesh
+    fabric: Fabric
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A scene whose files are read and whose lights are fitted: what one draw needs.
+
+    Parameters
+    ----------
+    cloths : at least one
+    lights : in world space, the turn of the environment included
+    objects : what stands about the cloths; None: nothing
+    """
+
+    scene: Scene
+    cloths: tuple[Cloth, ...]
+    environment: Environment
+    lights: Lights
+    camera: Camera
+    settings: Settings
+    objects: Objects | None = None
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh of the first cloth."""
+        return self.cloths[0].mesh
+
+    @property
+    def fabric(self) -> Fabric:
+        """The fabric of the first cloth."""
+        return self.cloths[0].fabric
+
+    def with_cloth(self, **changes: Any) -> Frame:
+        """The same frame with another mesh or fabric for its first cloth."""
+        return replace(self, cloths=(replace(self.cloths[0], **changes), *self.cloths[1:]))
+
+
+class Frames:
+    """Makes frames; what they share with the last one is the same object, so that nothing is done twice."""
+
+    def __init__(self) -> None:
+        self.follow = False  # the next mesh with the same triangles is the next pose of a cloth that moves
+        self._files: dict[Callable, Last] = {}
+        self._fit: Last[Lights] = Last()
+        self._rotated: Last[Lights] = Last()
+        self._solids: Last = Last()
+        self._objects: Last[Objects] = Last()
+        self._pose: Mesh | None = None
+        self._first_pose: Mesh | None = None
+
+    def make(
+        self,
+        scene: Scene | str | None = None,
+        *,
+        fabric: Fabric | str | None = None,
+        mesh: Mesh | str | None = None,
+        cloths: Sequence[Cloth] = (),
+        environment: Environment | str | None = None,
+        lights: Lights | SphericalGaussians | None = None,
+        camera: Camera | None = None,
+        objects: Objects | None = None,
+        **changes: Any,
+    ) -> Frame:
+        """Read the files of a scene and fit its lights. Parameters as for `Renderer.render`."""
+        scene = load_scene(scene) if isinstance(scene, str) else scene or Scene()
+        if objects is not None and not isinstance(objects, Objects):
+            changes, objects = {**changes, "objects": objects}, None
+        scene = scene.changed(**changes) if changes else scene
+        if not cloths:
+            mesh = mesh if isinstance(mesh, Mesh) else self._loaded(load_mesh, mesh or scene.mesh)
+            cloths = (Cloth(mesh, load_fabric(scene.fabric if fabric is None else fabric)),)
+        if not isinstance(environment, Environment):
+            environment = self._loaded(load_environment, environment or scene.env)
+        if lights is None:
+            lights = self._lights(scene, environment)
+        first = cloths[0].mesh
+        objects = self._arranged(scene, first) if objects is None else objects
+        return Frame(
+            scene,
+            tuple(cloths),
+            environment,
+            as_lights(lights),
+            camera or default_camera(first, scene),
+            _settings(scene, environment),
+            None if objects is None or objects.empty else objects,
+        )
+
+    def _lights(self, scene: Scene, environment: Environment) -> Lights:
+        """The lights of a scene, turned with its environment."""
+        if scene.lights:
+            lights = self._loaded(load_lights, scene.lights)
+        else:
+            lights = self._fit.get(lambda: fit_lights(environment, scene.lobes), environment, scene.lobes)
+        return self._rotated.get(
+            lambda: lights.rotated(rotation_y(scene.env_rotate)), lights, float(scene.env_rotate)
+        )
+
+    def _arranged(self, scene: Scene, mesh: Mesh) -> Objects | None:
+        """The objects and the ground of a scene, the same ones as long as nothing about them changes."""
+        if not scene.objects and scene.ground == "off":
+            return None
+        solids = self._solids.get(lambda: load_solids(scene.objects), scene.objects, tuple(map(_stamp, scene.objects)))
+        # The ground stays where it is while the cloth moves over it.
+        if not (self.follow and self._pose is not None and is_next_pose((self._pose,), (mesh,))):
+            self._first_pose = mesh
+        self._pose = mesh
+        look = scene.ground, scene.ground_color
+        return self._objects.get(lambda: arrange(solids, *look, mesh), self._first_pose, solids, look)
+
+    def _loaded(self, load: Callable[[str], Any], name: str) -> Any:
+        """What `load` makes of a name or file; the last one of each kind is kept until its file changes."""
+        return self._files.setdefault(load, Last()).get(lambda: load(name), name, _stamp(name))
+
+
+def _stamp(name: str) -> int:
+    """When a file changed; 0 for what is no file."""
+    path = Path(name)
+    return path.stat().st_mtime_ns if path.is_file() else 0
+
+
+def _settings(scene: Scene, environment: Environment) -> Settings:
+    return Settings(
+        quality=scene.quality,
+        segments=scene.segments,
+        light=scene.light,
+        cube=scene.cube,
+        contribution=scene.contribution,
+        grid=scene.grid,
+        shadows=scene.shadows,
+        bounce=scene.bounce,
+        environment=environment,
+        rotation=rotation_y(scene.env_rotate),
+    )
+
+
+def default_camera(mesh: Mesh, scene: Scene) -> Camera:
+    """The camera of a scene; what the scene leaves open is chosen so that the mesh fills the picture."""
+    view, size = scene.camera, scene.size
+    fitted = mesh_camera(mesh, size[0] / size[1])
+    fov_deg = view.fov_deg or fitted.fov_deg
+    return Camera(view.eye or fitted.eye, view.target or fitted.target, view.up, fov_deg)
+
+
+def mesh_camera(mesh: Mesh, aspect: float) -> Camera:
+    """The camera that shows a mesh well: a chosen one for the built-in meshes, else one that frames its bounds."""
+    if mesh.name in BUILTIN_MESHES and (view := load_view(mesh.name)):
+        return Camera(**view)
+    return Camera.framing(mesh.center, mesh.radius, aspect=aspect)

@@ -1,0 +1,163 @@
+"""What stands about the cloth as a surface: objects and a ground, lit as Lambertians.   [own, docs/shadows.md]"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
+from ..geometry.props import Objects
+from ..gpu.buffers import TextureBuffer
+from ..gpu.gbuffer import GBuffer, MeshBuffers
+from ..gpu.memo import Last
+from ..gpu.programs import Draw, programs
+from ..visibility.hit_vertices import HitSurface
+from ..visibility.irradiance import irradiance_table
+from ..visibility.pixels import PixelView
+from ..visibility.probes import subdivided
+from ..visibility.vertices import COSINE
+from .cloth import ClothSurface
+from .frame import Frame
+from .surface import Surface
+
+NEAREST = 0.3  # of the eye's height above the ground: nothing of the ground is nearer to the eye
+EDGE_OFFSET = 0.05  # of a mesh's mean edge: how far rays that light a vertex start from it,
+GROUND_OFFSET = 2e-4  # of its scale: from the ground, where nothing is curved
+
+
+class Solids(Surface):
+    """All objects and the ground of a frame in one mesh; the ground's triangles are the last and hide no light, for
+    the structure knows the plane."""
+
+    objects: Objects
+    offsets: np.ndarray  # [V] how far from its vertices rays start
+    hiding = 0  # triangles that hide light
+    _hiding_vertices = 0
+
+    def __init__(self, ctx: moderngl.Context):
+        super().__init__(ctx, COSINE)
+        self._shape: Objects | None = None
+        self._vertex_reflectances: Last[np.ndarray] = Last()
+        self._reflectance_data = TextureBuffer(ctx, 16)
+        self._colors: Last[None] = Last()
+
+    def prepare(self, frame: Frame, lit_by: ClothSurface) -> None:
+        """Take other objects or lights; cheap when they are the same, or differ in colour only.
+
+        `lit_by`: the cloth whose method and lights light them.
+        """
+        assert frame.objects is not None
+        self._lit_by = lit_by
+        self._bounces = frame.scene.bounce
+        self._lights = frame.lights
+        if not frame.objects.same_shape(self._shape):
+            self._shape = frame.objects
+            self._take_shape(frame.objects)
+        self.objects = frame.objects
+        self._colors.get(lambda: self._reflectance_data.write(self.triangle_reflectances()), frame.objects)
+        self.pass_count = lit_by.pass_count if lit_by.method.solids_program(self) is not None else 1
+
+    def _take_shape(self, objects: Objects) -> None:
+        fine = [subdivided(mesh) for mesh in objects.meshes]
+        self._shares = [len(a.triangles) // len(b.triangles) for a, b in zip(fine, objects.meshes, strict=True)]
+        self.hiding = sum(len(mesh.triangles) for mesh in fine)
+        self._hiding_vertices = sum(len(mesh.positions) for mesh in fine)
+        offsets = [np.full(len(mesh.positions), EDGE_OFFSET * mesh.mean_edge) for mesh in fine]
+        if (ground := objects.ground) is not None:
+            fine.append(ground.mesh)
+            offsets.append(np.full(len(ground.mesh.positions), GROUND_OFFSET * ground.scale))
+        self.offsets = np.concatenate(offsets)
+        self.original = _joined(fine)
+        self._place(lambda: MeshBuffers(self.ctx, self.original, None, self.hiding), self.original)
+
+    # -- what it is --------------------------------------------------------------------------------------------------
+
+    @property
+    def broad(self) -> None:
+        return None
+
+    @property
+    def hit_surface(self) -> HitSurface:
+        return HitSurface(self.original, self.original, self.offsets, self.hiding, self.objects.ground)
+
+    def triangle_reflectances(self) -> np.ndarray:
+        """Of every triangle [T, 4] float32; one row more for what is met of the ground."""
+        parts = [np.repeat(r, n, axis=0) for r, n in zip(self.objects.reflectances, self._shares, strict=True)]
+        color = self.objects.ground.color if self.objects.ground else (0.0, 0.0, 0.0)
+        rows = np.zeros((len(self.mesh.triangles) + 1, 4), "f4")
+        rows[:, :3] = np.concatenate([*parts, np.tile(color, (len(rows) - self.hiding, 1))])
+        return rows
+
+    @property
+    def reflectance(self) -> np.ndarray:
+        """Of every vertex [V, 4] float32: the mean of the triangles about it."""
+        return self._vertex_reflectances.get(self._mean_reflectances, self.objects)
+
+    def _mean_reflectances(self) -> np.ndarray:
+        corners, colors = self.mesh.triangles, self.triangle_reflectances()[: len(self.mesh.triangles)]
+        rows = np.zeros((len(self.mesh.positions), 4))
+        for k in range(3):
+            np.add.at(rows, corners[:, k], colors + np.float32([0, 0, 0, 1]))
+        return (rows / np.maximum(rows[:, 3:], 1.0)).astype("f4")
+
+    def depth_range(self, camera: Camera) -> tuple[float, float]:
+        ranges = []
+        if self.hiding:
+            used = self.mesh.positions[: self._hiding_vertices]
+            ranges.append(camera.depth_range(used.min(0), used.max(0)))
+        if (ground := self.objects.ground) is not None:
+            across = np.hypot(camera.eye[0] - ground.center[0], camera.eye[2] - ground.center[1])
+            height = abs(camera.eye[1] - ground.height)
+            ranges.append((NEAREST * height, 1.01 * float(np.hypot(across + ground.radii[-1], height))))
+        return min(near for near, _ in ranges), max(far for _, far in ranges)
+
+    # -- shading -----------------------------------------------------------------------------------------------------
+
+    def inputs(self) -> dict[str, Any]:
+        """The reflectances, for passes that shade it or whose rays meet it."""
+        return {"reflectance_data": self._reflectance_data, "first_of_ground": self.hiding}
+
+    def shade(
+        self, buffer: GBuffer, view: PixelView, number: int, weight: float, add: bool, rows: tuple[int, int] | None
+    ) -> None:
+        if number >= self.pass_count:
+            return
+        method = self._lit_by.method
+        program = method.solids_program(self)
+        if program is None:
+            program, light = self._program_of_means(), self._means(view)
+        else:
+            light = {**method.inputs(), **self._lit_by.passes[number]}
+        share = {"pass_weight": weight, "pass_cover": weight / self.pass_count}
+        buffer.shade(program, light, self.inputs(), share, add=add, rows=rows)
+
+    def _program_of_means(self) -> Draw:
+        virtual = {"lit.glsl": "inputs/visibility/lit_means.glsl"}
+        return programs(self.ctx).screen("passes/picture/lambert.frag", None, virtual)
+
+    def _means(self, view: PixelView) -> dict[str, Any]:
+        """Gaussians and suns, each as far as it is seen, and what comes back."""
+        mode = self.visibility.mode
+        return {
+            **self._lit_by.scene_buffers.inputs(),
+            **irradiance_table(self.ctx, self._lights),
+            **({} if mode == "off" else view.inputs()),
+            "everything": mode == "off",
+            "bounces": mode == "full" and self._bounces,
+        }
+
+
+def _joined(meshes: list[Mesh]) -> Mesh:
+    """Several meshes as one, in their order."""
+    begins = np.cumsum([0] + [len(mesh.positions) for mesh in meshes])
+    return Mesh(
+        "objects",
+        np.concatenate([mesh.positions for mesh in meshes]),
+        np.concatenate([mesh.triangles + begin for mesh, begin in zip(meshes, begins, strict=False)]),
+        np.concatenate([mesh.normals for mesh in meshes]),
+        None,
+        np.concatenate([mesh.tangents for mesh in meshes]),
+    )

@@ -1,0 +1,140 @@
+"""What stands where on the GPU: the surfaces of a frame, and what hides light from them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import moderngl
+import numpy as np
+
+from ..accel.ground import OverGround
+from ..accel.queries import make_structure
+from ..accel.structure import Structure
+from ..accel.triangles import Triangles
+from ..gpu.memo import Last
+from ..settings import ShadowMode
+from ..visibility.bounce import Bounce
+from ..visibility.pixels import Occluders
+from .cloth import ClothSurface
+from .frame import Frame
+from .pace import Pace
+from .solids import Solids
+from .surface import Surface
+from .target import Target
+
+OCCLUDER_STRUCTURE = "lbvh"  # any-hit rays of the built-in cloth: as fast as the kd-tree; built five times as fast
+
+
+def shadow_mode(frame: Frame) -> ShadowMode:
+    """What hides what where vertices and pixels look for themselves; the reference traces its own."""
+    scene = frame.scene
+    if scene.method == "reference" or (scene.shadows == "sun" and not len(frame.lights.suns)):
+        return "off"
+    return scene.shadows
+
+
+class Stage:
+    """Keeps the surfaces from frame to frame, so that what did not change is not made again."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self.cloths = [ClothSurface(ctx)]
+        self.cloths_in_frame: list[ClothSurface] = []  # of the last frame,
+        self.surfaces: list[Surface] = []  # and with what stands about them
+        self._solids = Solids(ctx)
+        self._bounce = Bounce(ctx)
+        self._bounces = False
+        self._structure: Last[Structure] = Last()
+        self._triangles: Triangles | None = None
+        self._tree: Structure | None = None
+
+    def take(self, frame: Frame) -> list[Surface]:
+        """Take a frame: returns its surfaces, ready to be drawn, to see and to be shaded."""
+        mode = shadow_mode(frame)
+        while len(self.cloths) < len(frame.cloths):
+            self.cloths.append(ClothSurface(self.ctx))
+        self.cloths_in_frame = self.cloths[: len(frame.cloths)]
+        for surface, cloth in zip(self.cloths_in_frame, frame.cloths, strict=True):
+            surface.prepare(cloth, frame, mode == "full")
+        self.surfaces = [*self.cloths_in_frame]
+        if frame.objects is not None:
+            self._solids.prepare(frame, self.cloths[0])
+            self.surfaces.append(self._solids)
+        self._bounces = mode == "full" and frame.scene.bounce and len(self.surfaces) > 1
+        self._look(frame, mode)
+        return self.surfaces
+
+    def _look(self, frame: Frame, mode: ShadowMode) -> None:
+        """Tell each surface what hides light from it; nothing is traced yet."""
+        structure = self.occluders(frame) if mode != "off" else None
+        hit_vertices = self._bounce.hit_vertices
+        several = len(self.surfaces) > 1
+        if structure is not None and several:
+            hit_vertices.prepare([surface.hit_surface for surface in self.surfaces], structure.triangles)
+        for surface in self.surfaces:
+            occluders = None
+            if structure is not None and several:
+                others = tuple(other.original for other in self.surfaces if other is not surface)
+                ground = frame.objects is not None and frame.objects.ground is not None
+                occluders = Occluders(others, ground, hit_vertices)
+            surface.visibility.prepare(
+                mode, surface.mesh, surface.original, structure, frame.lights, frame.scene.bounce, occluders
+            )
+
+    def occluders(self, frame: Frame) -> Structure:
+        """The structure over what hides light: the triangles of the surfaces, one after the other, and the ground."""
+        originals = tuple(surface.original for surface in self.surfaces)
+        return self._structure.get(lambda: self._built(frame), originals)
+
+    def _built(self, frame: Frame) -> Structure:
+        hit = [surface.hit_surface for surface in self.surfaces]
+        corners = np.concatenate([one.original.positions[one.original.triangles[: one.hiding]] for one in hit])
+        if self._tree is None:
+            self._tree = make_structure(self.ctx, OCCLUDER_STRUCTURE)
+        if self._triangles is not None and self._triangles.count == len(corners):
+            self._triangles.move(corners)
+        else:
+            if self._triangles is not None:
+                self._triangles.release()
+            self._triangles = Triangles.of(self.ctx, corners)
+        self._tree.build(self._triangles)
+        ground = None if frame.objects is None else frame.objects.ground
+        return self._tree if ground is None else OverGround(self._tree, ground.height)
+
+    def follow_poses(self, follow: bool) -> None:
+        """See `Renderer.follow_poses`."""
+        for surface in (*self.cloths, self._solids):
+            surface.visibility.follow_poses(follow)
+
+    # -- what a frame does before it is shaded -----------------------------------------------------------------------
+
+    def trace(self, count: int = 32, enough: int | None = None) -> Iterator[int]:
+        """Trace what the vertices of the surfaces lack; see `Renderer.trace_visibility`."""
+        for surface in self.surfaces:
+            yield from surface.visibility.steps(count, enough)
+
+    def geometry_jobs(self, frame: Frame) -> list[Callable[[], None]]:
+        """What is to be called, in this order, for methods that cast rays as they shade."""
+        jobs: list[Callable[[], None]] = []
+        for cloth in self.cloths_in_frame:
+            if cloth.method.traced:
+                solids = self._solids if frame.objects is not None else None
+                jobs += cloth.method.set_geometry(cloth.buffers, self.occluders(frame), solids)
+        return jobs
+
+    def see(self, target: Target, frame: Frame, sample: tuple[int, int], pace: Pace) -> Iterator[None]:
+        """Find what the pixels see of the lights, and of each other."""
+        if shadow_mode(frame) == "off":
+            return
+        parts = [target.part(surface) for surface in self.surfaces]
+        for surface, part in zip(self.surfaces, parts, strict=True):
+            yield from surface.see(part.view, sample, pace)
+        if not self._bounces:
+            return
+        reflectances = [(surface.visibility, surface.reflectance) for surface in self.surfaces]
+        for _ in self._bounce.gather(reflectances, self.cloths[0].scene_buffers):
+            yield from pace.pause(self.ctx)
+        for part in parts:
+            part.view.resolve_bounce()
+        yield from pace.pause(self.ctx)
+

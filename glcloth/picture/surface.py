@@ -1,0 +1,101 @@
+"""What is drawn, sees the lights and is shaded: the contract of cloth and of what stands about it."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
+from ..gpu.gbuffer import GBuffer, MeshBuffers
+from ..gpu.memo import Last
+from ..visibility.hit_vertices import HitSurface
+from ..visibility.pixels import PixelView, PixelVisibility
+from .pace import Pace
+
+
+class Surface(ABC):
+    """One mesh of a frame on the GPU.
+
+    A frame draws each of its surfaces (`buffers` into a G-buffer of its own), lets it see (`visibility`, and a view of it
+    for the pixels), and shades it. To be another kind of surface is to say how it is shaded.
+    """
+
+    buffers: MeshBuffers  # as it is drawn
+    original: Mesh  # as it hides light
+    pass_count = 1  # additive passes over a picture
+    adaptive = False  # whether it shades all its pixels by `shade_adaptively`, before the others
+
+    def __init__(self, ctx: moderngl.Context, steepness: float):
+        """`steepness`: see `VertexVisibility`."""
+        self.ctx = ctx
+        self.visibility = PixelVisibility(ctx, steepness)
+        self._buffers: Last[MeshBuffers] = Last()
+
+    def _place(self, make: Callable[[], MeshBuffers], *key: Any) -> None:
+        """Put another mesh on the GPU where the key changes; the one before is freed."""
+
+        def other() -> MeshBuffers:
+            if self._buffers.value is not None:
+                self._buffers.value.release()
+            return make()
+
+        self.buffers = self._buffers.get(other, *key)
+
+    @property
+    def mesh(self) -> Mesh:
+        """The mesh as it is drawn."""
+        return self.buffers.mesh
+
+    @property
+    @abstractmethod
+    def broad(self) -> np.ndarray | None:
+        """How much [K] of each Gaussian is summed with others before its visibility is known; None: every one alone."""
+
+    @property
+    @abstractmethod
+    def hit_surface(self) -> HitSurface:
+        """What rays from other surfaces meet."""
+
+    @property
+    @abstractmethod
+    def reflectance(self) -> np.ndarray:
+        """How much of the light that comes evenly from everywhere goes back: [3], or [V, 4] of each vertex; the same
+        array while nothing changes."""
+
+    def depth_range(self, camera: Camera) -> tuple[float, float]:
+        """Near and far distance of all that may be seen of it."""
+        return camera.depth_range(self.buffers.low, self.buffers.high)
+
+    def see(self, view: PixelView, sample: tuple[int, int], pace: Pace) -> Iterator[None]:
+        """Find what the pixels of a view see of the lights; `sample`: its number, and how many there are."""
+        view.visibility.integrate(self.broad)
+        yield from pace.pause(self.ctx)
+        view.resolve(self.broad, sample)
+        yield from pace.pause(self.ctx)
+        if not pace.preview:
+            for _ in view.edges(pace.slice):
+                yield from pace.pause(self.ctx)
+
+    @abstractmethod
+    def shade(
+        self, buffer: GBuffer, view: PixelView, number: int, weight: float, add: bool, rows: tuple[int, int] | None
+    ) -> None:
+        """Shade the pixels that see it.
+
+        Parameters
+        ----------
+        view : what these pixels see of the lights
+        number : of the pass
+        weight : of this sample in a pixel
+        add : to what is there
+        rows : (first, count), counted from below: only these
+        """
+
+    def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:
+        """Shade all pixels that see it in one go, at a rate of its own."""
+        raise NotImplementedError
