@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 
 from ..accel.ground import OverGround
-from ..accel.queries import make_structure
+from ..accel.structure import make_structure
 from ..accel.triangles import Triangles
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
