@@ -40,6 +40,30 @@ def check_stopped() -> None:
         raise KeyboardInterrupt
 
 
+def drain(steps: Iterable) -> None:
+    """Go through all steps of some work at once."""
+    for _ in steps:
+        pass
+
+
+class Stopwatch:
+    """Milliseconds that the stages of some work took: `ms`, by their names."""
+
+    def __init__(self):
+        self.ms: dict[str, float] = {}
+        self.resume()
+
+    def resume(self) -> None:
+        """The next stage begins now."""
+        self._begin = time.perf_counter()
+
+    def lap(self, stage: str) -> None:
+        """A stage ends, and the next begins."""
+        begin = self._begin
+        self.resume()
+        self.ms[stage] = 1000 * (self._begin - begin)
+
+
 def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T]:
     """Yield `items`, and after one second show a bar that says `what` is being done.
 

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
+import moderngl
 import numpy as np
 
 from .triangles import Triangles
@@ -10,45 +14,50 @@ CHUNK = 16_384  # triangles of one dispatch; loops may end silently after 65,535
 
 
 class Brute:
-    """The judge of the other structures, behind the same interface."""
+    """The judge of the other structures (glcloth/accel/structure.py)."""
 
-    name = "brute"
     source = "inputs/accel/brute.glsl"
-    settles = False
+    ordered_hits = False
 
-    def __init__(self, ctx):
-        self.ctx = ctx
+    def __init__(self, ctx: moderngl.Context):
         self.timings: dict[str, float] = {}
         self.node_count = self.leaf_ref_count = 0
-        self._triangles: Triangles | None = None
+        self.triangles: Triangles | None = None
 
     def build(self, triangles: Triangles) -> None:
         """Remember the triangles."""
-        self._triangles = triangles
+        self.triangles = triangles
+
+    def build_steps(self, triangles: Triangles) -> Iterator[None]:
+        """As `build`, in one step."""
+        self.build(triangles)
+        yield
+
+    @property
+    def _built(self) -> Triangles:
+        assert self.triangles is not None, "brute: build it first"
+        return self.triangles
+
+    def inputs(self) -> dict[str, Any]:
+        """What inputs/accel/brute.glsl reads."""
+        return self._built.inputs()
 
     def bind(self, program) -> None:
-        """Bind what inputs/accel/brute.glsl reads."""
-        self._triangles.corners.bind(8)
-        self._triangles.attributes.bind(9)
+        """Bind what inputs/accel/brute.glsl reads, for programs of before."""
+        self._built.corners.bind(8)
+        self._built.attributes.bind(9)
 
-    def chunks(self):
+    def chunks(self) -> Iterator[dict[str, int]]:
         """The uniforms of each dispatch that one query takes."""
-        for first in range(0, max(self._triangles.count, 1), CHUNK):
-            yield {
-                "first_test": first,
-                "test_count": min(CHUNK, self._triangles.count - first),
-                "resume": int(first > 0),
-            }
+        count = self._built.count
+        for first in range(0, max(count, 1), CHUNK):
+            yield {"first_test": first, "test_count": min(CHUNK, count - first), "resume": int(first > 0)}
 
     def arrays(self) -> dict[str, np.ndarray]:
         """One leaf with all triangles."""
-        count = self._triangles.count
-        return {
-            "axis": np.array([3]),
-            "count": np.array([count]),
-            "triangles": np.arange(count),
-            "depth": np.array([0]),
-        }
+        count = self._built.count
+        numbers = {"axis": [3], "count": [count], "triangles": range(count), "depth": [0]}
+        return {name: np.array(values, int) for name, values in numbers.items()}
 
     def release(self) -> None:
         """Nothing to free."""

@@ -2,31 +2,52 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ..gpu import shader
+from .structure import Structure
+from .triangles import Triangles
 
 
 class OverGround:
-    """An `Lbvh` and the plane y = height, which is met from both sides; to passes that trace it is one structure.
+    """An lbvh and the plane y = height, which is met from both sides; to passes that trace it is one structure.
 
-    What meets the plane has the number GROUND of inputs/accel/lbvh_ground.glsl.
+    What meets the plane has the number GROUND of trace/ground.glsl.
     """
 
     source = "inputs/accel/lbvh_ground.glsl"
-    settles = False
+    ordered_hits = False
 
-    def __init__(self, structure, height: float):
+    def __init__(self, structure: Structure, height: float):
         self.structure, self.height = structure, float(height)
+        self.build, self.build_steps = structure.build, structure.build_steps
+        self.chunks, self.arrays, self.release = structure.chunks, structure.arrays, structure.release
+
+    def inputs(self) -> dict[str, Any]:
+        """What inputs/accel/lbvh_ground.glsl reads."""
+        return self.structure.inputs() | {"ground_height": self.height}
 
     def bind(self, program) -> None:
-        """Bind what inputs/accel/lbvh_ground.glsl reads."""
+        """Bind what inputs/accel/lbvh_ground.glsl reads, for programs of before."""
         self.structure.bind(program)
         shader.set_uniforms(program, ground_height=self.height)
 
     @property
-    def triangles(self):
+    def triangles(self) -> Triangles | None:
         """What the structure was built of."""
         return self.structure.triangles
 
-    def chunks(self):
-        """The uniforms of each dispatch that one query takes."""
-        return self.structure.chunks()
+    @property
+    def node_count(self) -> int:
+        """Of the structure."""
+        return self.structure.node_count
+
+    @property
+    def leaf_ref_count(self) -> int:
+        """Of the structure."""
+        return self.structure.leaf_ref_count
+
+    @property
+    def timings(self) -> dict[str, float]:
+        """Of the structure's last build."""
+        return self.structure.timings

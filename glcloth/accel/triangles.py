@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import moderngl
 import numpy as np
 
-from ..gpu import shader
-from ..gpu.buffers import TextureBuffer
+from ..gpu.buffers import Buffer, TextureBuffer
+from ..gpu.programs import programs
 from ..twins.octahedron import octahedral
 
 # A ray's hit is off by a few units in the last place of the coordinates. Boxes are padded by more than that, so that a
@@ -31,10 +33,9 @@ class Triangles:
         self.padding = float(scale) * PADDING
         self.corners = TextureBuffer(ctx, 48 * max(count, 1), "rgba32ui")
         self.attributes = TextureBuffer(ctx, 16 * max(count, 1), "rgba32ui")
-        self._gather = None
         self.turn = np.zeros(max(count, 1), int)  # by how many places the corners of each were turned, see `set`
         self._joined = np.zeros(max(count, 1), bool)  # a triangle and its successor are a pair
-        self._pairs: dict[bool, tuple[int, TextureBuffer]] = {}
+        self._pairs: tuple[int, TextureBuffer] | None = None
 
     @classmethod
     def of(cls, ctx: moderngl.Context, positions: np.ndarray, material: np.ndarray | int = 0) -> Triangles:
@@ -67,7 +68,7 @@ class Triangles:
         material : [T] int or one for all
 
         Successive triangles that share an edge become pairs; their corners are turned for it, the order of the round kept.
-        So hits are between the turned corners, `turned(corners, triangles.turn)`.
+        So hits are between the turned corners, `rotated_corners(corners, triangles.turn)`.
         """
         positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
         T = len(positions)
@@ -75,12 +76,12 @@ class Triangles:
         material = np.broadcast_to(material, T)
         turn, joined = self.turn[first : first + T], self._joined[first : first + T]
         # Cloth that moves keeps its pairs.
-        if not joined.any() or not _are_pairs(turned(positions, turn), material, joined):
+        if not joined.any() or not _are_pairs(rotated_corners(positions, turn), material, joined):
             turn, joined = find_pairs(positions, material)
             self.turn[first : first + T] = turn
         self._join(first, joined)
-        positions = np.ascontiguousarray(turned(positions, turn))
-        normals, tangents = (None if v is None else turned(np.asarray(v), turn) for v in (normals, tangents))
+        positions = np.ascontiguousarray(rotated_corners(positions, turn))
+        normals, tangents = (None if v is None else rotated_corners(np.asarray(v), turn) for v in (normals, tangents))
         edges = (positions[:, 1] - positions[:, 0]).astype(float), (positions[:, 2] - positions[:, 0]).astype(float)
         if normals is None:
             normals = np.cross(*edges)[:, None]
@@ -100,63 +101,64 @@ class Triangles:
         first: int,
         rows: int,
         columns: int,
-        positions: moderngl.Buffer,
-        normals: moderngl.Buffer,
-        tangents: moderngl.Buffer,
+        positions: Buffer,
+        normals: Buffer,
+        tangents: Buffer,
         material: int = 0,
     ) -> None:
         """Copy the 2 (rows - 1) (columns - 1) triangles of a grid whose buffers hold one vec4 a vertex, row by row."""
         quads = (rows - 1) * (columns - 1)
         self._join(first, np.tile([True, False], quads))
         assert first + 2 * quads <= self.count, f"{first} + {2 * quads} triangles, room for {self.count}"
-        if self._gather is None:
-            self._gather = shader.compute(self.ctx, "passes/accel/gather_grid.comp")
-        for binding, buffer in enumerate((positions, normals, tangents, self.corners.buffer, self.attributes.buffer)):
-            buffer.bind_to_storage_buffer(binding)
-        shader.set_uniforms(self._gather, rows=rows, columns=columns, first=first, material=material)
-        self._gather.run(-(-quads // 64))
-        self.ctx.memory_barrier()
+        programs(self.ctx).compute("passes/accel/gather_grid.comp").run(
+            quads, Positions=positions, Normals=normals, Tangents=tangents, Corners=self.corners,
+            Attributes=self.attributes, rows=rows, columns=columns, first=first, material=material,
+        )  # fmt: skip
 
-    def pairs(self, two: bool = True) -> tuple[int, TextureBuffer]:
+    def pairs(self) -> tuple[int, TextureBuffer]:
         """How many pairs and single triangles there are, and a texel for each: twice the first triangle's number, plus 1 if
-        its successor belongs to it. Without `two` every triangle is single.
+        its successor belongs to it.
 
         A pair is (a, c, b) and (b, c, d).
         """
-        if two not in self._pairs:
-            joined = self._joined[: self.count] & two
+        if self._pairs is None:
+            joined = self._joined[: self.count]
             begins = np.ones(self.count, bool)
             begins[1:] = ~joined[:-1]
             first = np.flatnonzero(begins).astype(np.uint32)
-            self._pairs[two] = len(first), TextureBuffer(self.ctx, 2 * first + joined[first].astype(np.uint32), "r32ui")
-        return self._pairs[two]
+            self._pairs = len(first), TextureBuffer(self.ctx, 2 * first + joined[first].astype(np.uint32), "r32ui")
+        return self._pairs
+
+    def inputs(self) -> dict[str, Any]:
+        """The corners and the attributes, as most passes call them."""
+        return {"corners": self.corners, "attributes": self.attributes}
 
     def _join(self, first: int, joined: np.ndarray) -> None:
         there = self._joined[first : first + len(joined)]
         if not np.array_equal(there, joined):
             there[:] = joined
-            for _, buffer in self._pairs.values():
-                buffer.release()
-            self._pairs.clear()
+            self._forget_pairs()
+
+    def _forget_pairs(self) -> None:
+        if self._pairs is not None:
+            self._pairs[1].release()
+        self._pairs = None
 
     def positions(self) -> np.ndarray:
         """Read the corners back: float32 [T, 3, 3]."""
-        data = np.frombuffer(self.corners.buffer.read(48 * self.count), np.uint32).reshape(-1, 3, 4)
+        data = np.frombuffer(self.corners.read(48 * self.count), np.uint32).reshape(-1, 3, 4)
         return np.ascontiguousarray(data[..., :3]).view(np.float32)
 
     def materials(self) -> np.ndarray:
         """Read the materials back: int [T]."""
-        data = np.frombuffer(self.attributes.buffer.read(16 * self.count), np.uint32).reshape(-1, 4)
+        data = np.frombuffer(self.attributes.read(16 * self.count), np.uint32).reshape(-1, 4)
         return data[:, 0].astype(int)
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for _, buffer in self._pairs.values():
-            buffer.release()
+        self._forget_pairs()
         self.corners.release()
         self.attributes.release()
-        if self._gather is not None:
-            self._gather.release()
 
 
 def find_pairs(positions: np.ndarray, material: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -174,12 +176,12 @@ def find_pairs(positions: np.ndarray, material: np.ndarray) -> tuple[np.ndarray,
             shared = (positions[1:, l] == b).all(1) & (positions[1:, (l + 1) % 3] == c).all(1)
             fits[shared & (fits < 0)] = 3 * k + l
     fits[material[1:] != material[:-1]] = -1
-    last = -2
-    for t in np.flatnonzero(fits >= 0):
-        if t > last + 1:
-            joined[t] = True
-            turn[t], turn[t + 1] = divmod(int(fits[t]), 3)
-            last = t
+    # Of several in a row that fit their successors every second one, from the first on, is joined.
+    place, fit = np.arange(T - 1), fits >= 0
+    first = np.maximum.accumulate(np.where(fit & ~np.concatenate([[False], fit[:-1]]), place, 0))
+    joined[:-1] = fit & ((place - first) % 2 == 0)
+    t = np.flatnonzero(joined)
+    turn[t], turn[t + 1] = np.divmod(fits[t], 3)
     return turn, joined
 
 
@@ -190,7 +192,7 @@ def _are_pairs(corners: np.ndarray, material: np.ndarray, joined: np.ndarray) ->
     return alike and np.array_equal(material[t], material[t + 1])
 
 
-def turned(corners: np.ndarray, turn: np.ndarray) -> np.ndarray:
+def rotated_corners(corners: np.ndarray, turn: np.ndarray) -> np.ndarray:
     """Corners [T, 3, ...] that begin with the one that was number `turn` [T]."""
     return corners[np.arange(len(corners))[:, None], (turn[:, None] + np.arange(3)) % 3]
 

@@ -17,7 +17,8 @@ from scipy.sparse.linalg import spsolve
 from ..errors import InputError
 from ..geometry.mesh import Mesh, build_mesh
 from ..geometry.shapes import grid_triangles
-from ..simulation.cloth import Cloth, ClothParameters, Plane, Wind
+from ..simulation.cloth import Cloth, ClothParameters, Wind
+from ..simulation.solids import Plane
 
 
 @dataclass(frozen=True)

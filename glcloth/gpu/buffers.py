@@ -144,5 +144,5 @@ class TextureBuffer(Buffer):
         super().release()
 
 
-def _bytes(data: Any) -> bytes:
+def _bytes(data: Any) -> bytes | bytearray:
     return data if isinstance(data, bytes | bytearray) else np.ascontiguousarray(data).tobytes()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
+from typing import Any
 
 # PyOpenGL serves the few calls that moderngl lacks (texture buffers); it must look for functions where moderngl does,
 # and its per-call error query would stall the pipeline.
@@ -97,7 +98,8 @@ def is_software(ctx: moderngl.Context) -> bool:
 def _try(index: int, tried: list[str], what: str | None = None) -> moderngl.Context | None:
     what = what or f"EGL device {index}"
     try:
-        return moderngl.create_context(standalone=True, require=REQUIRED, backend="egl", device_index=index)
+        settings: dict[str, Any] = {"backend": "egl", "device_index": index}
+        return moderngl.create_context(require=REQUIRED, standalone=True, **settings)
     except Exception as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         if "device_index" in reason or "requested device" in reason.lower() or "out of range" in reason.lower():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TypeVar
 
 import moderngl
@@ -9,7 +10,7 @@ import moderngl
 T = TypeVar("T")
 
 
-def of_context(kind: type[T], ctx: moderngl.Context) -> T:
+def of_context(kind: Callable[[moderngl.Context], T], ctx: moderngl.Context) -> T:
     """The instance of `kind` that belongs to a context; made by `kind(ctx)` at the first call."""
     if not isinstance(ctx.extra, dict):
         ctx.extra = {}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from functools import cache
+from typing import Any
 
 import numpy as np
 
@@ -31,16 +32,16 @@ _FIELD = re.compile(r"(\w+)\s+(\w+)(?:\[(\w+)\])?$")
 
 
 @cache
-def shared(path: str = "core/shared.glsl") -> tuple[dict[str, float], dict[str, np.dtype]]:
+def shared(path: str = "core/shared.glsl") -> tuple[dict[str, Any], dict[str, np.dtype]]:
     """Return ({constant: value}, {struct: dtype}) of one GLSL file. Raises ShaderError for a type it cannot lay out."""
     text = re.sub(r"//.*", "", (GLSL / path).read_text(encoding="utf-8"))
-    constants: dict[str, float] = {}
+    constants: dict[str, Any] = {}  # int or float
     for kind, name, value in _CONST.findall(text):
         constants[name] = float(value) if kind == "float" else int(value.rstrip("u"), 0)
     return constants, {name: _dtype(name, body, constants) for name, body in _STRUCT.findall(text)}
 
 
-def constant(name: str) -> float:
+def constant(name: str) -> Any:
     """Return one constant of core/shared.glsl."""
     return shared()[0][name]
 
@@ -54,7 +55,7 @@ def _round_up(offset: int, alignment: int) -> int:
     return -(-offset // alignment) * alignment
 
 
-def _dtype(name: str, body: str, constants: dict[str, float]) -> np.dtype:
+def _dtype(name: str, body: str, constants: dict[str, Any]) -> np.dtype:
     names, formats, offsets, end, widest = [], [], [], 0, 4
     for field in filter(None, (" ".join(f.split()) for f in body.split(";"))):
         match = _FIELD.match(field)

@@ -21,6 +21,7 @@ from .context_local import of_context
 from .shader import Where, explain, flatten
 
 Inputs = Mapping[str, Any]
+ITEM = "inputs/gpu/item.glsl"  # by which a pass tells its invocations apart, however they are laid out
 
 _COMMENT = re.compile(r"//[^\n]*")
 _RESOURCE = re.compile(
@@ -145,9 +146,12 @@ def _set(uniform, kind: str, value: Any) -> None:
 class Compute(Program):
     """A compute program."""
 
-    def __init__(self, ctx: moderngl.Context, path: str, linked, slots: dict[str, Slot], declared: dict[str, str]):
+    def __init__(
+        self, ctx: moderngl.Context, path: str, linked, slots: dict[str, Slot], declared: dict[str, str], rows: bool
+    ):
         super().__init__(path, linked, slots, declared)
         self.ctx = ctx
+        self._rows = rows  # whether the pass can be laid in rows of work groups
         size = (GL.GLint * 3)()
         GL.glGetProgramiv(linked.glo, GL.GL_COMPUTE_WORK_GROUP_SIZE, size)
         self.group_size = tuple(size)
@@ -162,10 +166,19 @@ class Compute(Program):
         self.run_groups(tuple(-(-int(n) // size) for n, size in zip(items, sizes, strict=False)), *inputs, **own)
 
     def run_groups(self, groups: int | tuple[int, ...], *inputs: Inputs, **own: Any) -> None:
-        """As `run`, for so many work groups."""
+        """As `run`, for so many work groups.
+
+        More along one line than the device takes are laid in rows; raises ShaderError if the pass does not know of rows.
+        """
         groups = (groups,) if isinstance(groups, int | np.integer) else groups
         if min(groups) <= 0:
             return
+        most = programs(self.ctx).most_groups
+        if groups[0] > most and len(groups) == 1:
+            if not self._rows:
+                raise ShaderError(f"glsl/{self.path}: {groups[0]} work groups, more than {most}, need {ITEM}")
+            rows = -(-groups[0] // most)
+            groups = -(-groups[0] // rows), rows
         self.bind(*inputs, **own)
         self.linked.run(*map(int, groups))
         self.ctx.memory_barrier()
@@ -205,6 +218,7 @@ class Programs:
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
+        self.most_groups: int = ctx.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]  # along x
         self._programs: dict[tuple, Program] = {}
 
     def compute(self, path: str, defines: Inputs | None = None, virtual: Mapping[str, str] | None = None) -> Compute:
@@ -215,7 +229,8 @@ class Programs:
             text, where = flatten(path, defines, virtual)
             text = number(text, slots)
             linked = _compiled(lambda: self.ctx.compute_shader(text), lambda log: where)
-            self._programs[key] = Compute(self.ctx, path, linked, slots, uniforms(text))
+            rows = any(file == ITEM for file, _ in where)
+            self._programs[key] = Compute(self.ctx, path, linked, slots, uniforms(text), rows)
         program = self._programs[key]
         assert isinstance(program, Compute)
         return program

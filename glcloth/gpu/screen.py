@@ -34,7 +34,8 @@ def draw_screen(
     """
     ctx = target.ctx
     program.bind(*inputs, **own)
-    target.scissor = None if rows is None else (0, rows[0], target.width, rows[1])
+    # moderngl's types forget that None is no scissor.
+    target.scissor = None if rows is None else (0, rows[0], target.width, rows[1])  # type: ignore[assignment]
     target.use()
     target.viewport = (0, 0, target.width, target.height)
     target.depth_mask = depth in ("nearest", "written")
@@ -46,4 +47,4 @@ def draw_screen(
     program.screen.render(moderngl.TRIANGLES, vertices=3)
     ctx.depth_func = "<"
     ctx.enable_only(moderngl.NOTHING)
-    target.scissor = None
+    target.scissor = None  # type: ignore[assignment]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from ..errors import ShaderError
 from ..files import GLSL
@@ -93,7 +94,7 @@ class Computes:
 
     def __init__(self, ctx):
         self.ctx = ctx
-        self._programs: dict[tuple, object] = {}
+        self._programs: dict[tuple, Any] = {}
 
     def __call__(self, path: str, virtual: Mapping[str, str] | None = None):
         """The program of one pass; `virtual` as in `flatten`. Raises ShaderError."""

@@ -19,7 +19,8 @@ from ..errors import InputError
 from ..geometry.mesh import BALL, TABLE, Mesh, build_mesh, load_mesh
 from ..geometry.shapes import grid_triangles
 from ..progress import track
-from .cloth import Box, Cloth, ClothParameters, Sphere, Wind
+from .cloth import Cloth, ClothParameters, Wind
+from .solids import Box, Sphere
 
 SIZE = 1.6  # m, side of the cloth
 CLOTH = {"mass": 0.15, "stretch": 1e4, "bending": 4e-5, "friction": 0.5}  # falling, and in the wind

@@ -17,7 +17,8 @@ from itertools import pairwise
 import moderngl
 import numpy as np
 
-from ..accel.queries import RAYS_UNIT, RayQueries, make_structure
+from ..accel.queries import RayQueries, cast
+from ..accel.structure import Structure, make_structure
 from ..accel.triangles import PADDING, Triangles
 from ..errors import InputError
 from ..fabric import Fabric
@@ -36,6 +37,7 @@ DEEPEST = 8
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
 ENVIRONMENT_UNIT = 6
 CONSTANTS, _ = shared("trace/shared.glsl")
+RAYS_UNIT = 11
 BLOCK = CONSTANTS["BLOCK_WIDTH"], CONSTANTS["BLOCK_HEIGHT"]
 
 
@@ -192,7 +194,7 @@ class Tracer:
         records[0, 3] = 1.0
         self._materials.write(records)
 
-    def structure(self, name: str):
+    def structure(self, name: str) -> Structure:
         """The acceleration structure of a name, made at first use. Raises InputError for an unknown one."""
         if name not in self._structures:
             self._structures[name] = make_structure(self.ctx, name)
@@ -205,10 +207,7 @@ class Tracer:
     def build_steps(self, accelerator: str = "kdtree") -> Iterator[None]:
         """As `build`, in steps where the structure has some, for a caller with other things to do in between."""
         structure = self.structure(accelerator)
-        if hasattr(structure, "build_steps"):
-            yield from structure.build_steps(self.triangles)
-        else:
-            structure.build(self.triangles)
+        yield from structure.build_steps(self.triangles)
 
     def render(
         self,
@@ -346,7 +345,7 @@ class Tracer:
         first.reserve(rays)
         first.front, first.back = rays, 0
         # All layers of a way at once, where the structure finds hits in order and no ray turns aside in the cloth.
-        layered = structure.settles and not settings.spread
+        layered = structure.ordered_hits and not settings.spread
         stride = settings.depth if layered else 1
         self._heads.extend(32 * rays)
         self._head_count = rays
@@ -446,18 +445,15 @@ class Tracer:
     def _cast(self, structure, first: int, count: int, stride: int, most_layers: int) -> None:
         """Find what the heads from `first` on meet: their layers, or with a stride of 1 the nearest hit."""
         self._layers_hit.extend(16 * stride * (first + count))
-        program = self._program("layers", structure) if stride > 1 else self.queries.program(structure, "closest")
+        if stride == 1:
+            cast(structure, "closest", self._heads, self._layers_hit, count, first)
+            return
+        program = self._program("layers", structure)
         structure.bind(program)
         self._heads.bind(RAYS_UNIT)
         self._layers_hit.buffer.bind_to_storage_buffer(0)
-        if stride > 1:
-            shader.set_uniforms(program, first_head=first, head_count=count, stride=stride, most_layers=most_layers)
-            self._dispatch(program, count)
-            return
-        for uniforms in structure.chunks():
-            where = {"ray_count": count, "front_count": 0, "back_first": first, "resume": 0}
-            shader.set_uniforms(program, **(where | uniforms))
-            self._dispatch(program, count)
+        shader.set_uniforms(program, first_head=first, head_count=count, stride=stride, most_layers=most_layers)
+        self._dispatch(program, count)
 
     def _bind_surfaces(self) -> None:
         self.triangles.corners.bind(12)

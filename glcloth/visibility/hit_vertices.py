@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..accel.triangles import Triangles, turned
+from ..accel.triangles import Triangles, rotated_corners
 from ..geometry.mesh import Mesh
 from ..gpu import shader
 from ..gpu.buffers import TextureBuffer
@@ -47,7 +47,7 @@ class Places:
             more = _rows(around.mesh)
             more[:, :2, 3] = around.offsets[:, None] - self.offset
             rows = np.concatenate([rows, more])
-        self._corners.write(turned(corners, triangles.turn[: len(corners)]).astype("i4"))
+        self._corners.write(rotated_corners(corners, triangles.turn[: len(corners)]).astype("i4"))
         self._vertices.write(rows)
         self.cloth_triangles, self.cloth_vertices = len(original.triangles), len(drawn.positions)
         self.vertex_count = len(rows)

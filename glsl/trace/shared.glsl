@@ -30,6 +30,9 @@ const int SMALL_LEVELS = 20;
 const int LARGE_PLANES = 15;      // planes across each axis at which a large node may be split, evenly spread
 const int LANE_TEXELS = 17;      // what a lane notes of a large node: 2 + 2 LARGE_PLANES
 const int MASK_BITS = 64;        // the largest small node   [Zhou 2008, section 3.1]
+const float C_TS = 2.0;          // cost of a step in triangle tests
+const float EMPTY_SHARE = 0.15;  // C_e: the share of a large node's extent above which empty space is cut off
+const float GROWTH_LIMIT = 1.6;  // the most by which a split may multiply the triangles of a large node
 
 // The bounding volume hierarchy.
 const int BVH_STACK = 64;        // 30 bits of Morton code and 32 of the triangle's place cannot make a deeper tree

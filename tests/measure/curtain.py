@@ -15,8 +15,9 @@ import curtain_scenes as scenes
 import numpy as np
 
 from glcloth.accel.brute import Brute
-from glcloth.accel.kdtree import KdTree, KdTreeParameters
-from glcloth.accel.queries import RayQueries, make_structure
+from glcloth.accel.kdtree import CONSTANTS, KdTree
+from glcloth.accel.queries import RayQueries
+from glcloth.accel.structure import make_structure
 from glcloth.accel.triangles import Triangles
 from glcloth.curtain.show import CurtainScene, CurtainShow, bench_curtain
 from glcloth.fabric import load_fabric
@@ -91,18 +92,17 @@ def cost(ctx):
         with CurtainShow(ctx, CurtainScene(curtain=curtain)) as show:
             for frame in frames:
                 show.advance(frame - show.frame)
-                for pairs in (True, False) if name == "as it is" and frame == 48 else (True,):
-                    cost_of(ctx, show, name, pairs)
+                cost_of(ctx, show, name)
 
 
-def cost_of(ctx, show, name, pairs):
+def cost_of(ctx, show, name):
     positions = show.triangles.positions()
-    tree = KdTree(ctx, KdTreeParameters(pairs=pairs))
+    tree = KdTree(ctx)
     tree.build(show.triangles)
-    nodes, C_ts = tree.arrays(), tree.parameters.C_ts
+    nodes, C_ts = tree.arrays(), CONSTANTS["C_TS"]
     got = exact.sah_cost(nodes | {"count": nodes["pairs"]}, C_ts)
-    count, codes = show.triangles.pairs(pairs)
-    codes = np.frombuffer(codes.buffer.read(4 * count), np.uint32).astype(int)
+    count, codes = show.triangles.pairs()
+    codes = np.frombuffer(codes.read(4 * count), np.uint32).astype(int)
     parts = np.stack([positions[codes >> 1], positions[(codes >> 1) + (codes & 1)]], 1)
     best = exact.sah_cost(exact.build(parts, C_ts), C_ts)
     queries = RayQueries(ctx)
@@ -113,7 +113,7 @@ def cost_of(ctx, show, name, pairs):
     way = np.array(show.scene.view.eye) + hits.t[hit, None] * d[hit] - lamp
     lit = queries.closest_hit(tree, np.broadcast_to(lamp, way.shape), way, t_max=0.999, counted=True)
     print(
-        f"{name:13} frame {show.frame:3}, pairs {pairs!s:5}: {len(parts)} parts, cost {got:.2f}, exact {best:.2f}: "
+        f"{name:13} frame {show.frame:3}: {len(parts)} parts, cost {got:.2f}, exact {best:.2f}: "
         f"{100 * (got / best - 1):+.1f} %; levels {tree.large_levels} + {tree.small_levels}; steps, tests of a camera ray "
         "{:.1f}, {:.1f}; of a ray from the lamp {:.1f}, {:.1f}".format(*hits.work.mean(0), *lit.work.mean(0)),
         flush=True,

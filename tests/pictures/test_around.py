@@ -9,7 +9,7 @@ from test_shadows import sheet
 from glcloth.accel.ground import OverGround
 from glcloth.accel.lbvh import Lbvh
 from glcloth.accel.queries import RayQueries
-from glcloth.accel.triangles import Triangles, turned
+from glcloth.accel.triangles import Triangles, rotated_corners
 from glcloth.errors import InputError
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import BALL, PLINTH, TABLE, build_mesh, load_mesh, load_solid
@@ -118,7 +118,7 @@ def test_hits_are_weighted_between_the_turned_corners(ctx):
     triangles = Triangles.of(ctx, mesh.positions[mesh.triangles])
     structure = Lbvh(ctx)
     structure.build(triangles)
-    corners = mesh.positions[turned(mesh.triangles, triangles.turn)].astype(float)
+    corners = mesh.positions[rotated_corners(mesh.triangles, triangles.turn)].astype(float)
     assert np.array_equal(corners.astype("f4"), triangles.positions())
     rng = np.random.default_rng(0)
     chosen, weights = rng.integers(0, len(corners), 500), rng.dirichlet([2, 2, 2], 500)

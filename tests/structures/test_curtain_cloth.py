@@ -8,7 +8,7 @@ from test_simulation import crossings
 
 from glcloth.curtain.hanging import CurtainParameters, CurtainSimulation, pleated_rail
 from glcloth.errors import InputError
-from glcloth.simulation.cloth import Plane
+from glcloth.simulation.solids import Plane
 
 
 @pytest.fixture

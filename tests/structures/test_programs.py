@@ -102,6 +102,21 @@ def test_groups_are_rounded_up_and_none_do_nothing(ctx, add):
     source.release(), target.release()
 
 
+def test_more_groups_than_the_device_takes_need_a_pass_that_knows_of_rows(ctx, add, monkeypatch):
+    source, target = TextureBuffer(ctx, np.ones((200, 4), "f4")), Buffer(ctx, bytes(4 * 200))
+    values = {"turn": np.eye(2), "pair": np.zeros((2, 2)), "item_count": 200}
+    monkeypatch.setattr(programs(ctx), "most_groups", 3)
+    with pytest.raises(ShaderError, match="4 work groups, more than 3"):
+        add.run(200, values, source=source, Target=target)
+    text = ADD.replace("in;", 'in;\n#include "inputs/gpu/item.glsl"').replace("int(gl_GlobalInvocationID.x)", "item()")
+    monkeypatch.setattr(
+        "glcloth.gpu.programs.flatten", lambda path, defines, virtual: flatten(path, defines, {path: text})
+    )
+    programs(ctx).compute("<rows>").run(200, values, source=source, Target=target)
+    assert np.frombuffer(target.read(), "f4").all()
+    source.release(), target.release()
+
+
 def test_a_program_is_compiled_once(ctx):
     one = programs(ctx).compute("passes/accel/lbvh_codes.comp")
     assert programs(ctx).compute("passes/accel/lbvh_codes.comp") is one

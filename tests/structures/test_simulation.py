@@ -6,8 +6,9 @@ from scipy.spatial import cKDTree
 
 from glcloth.errors import InputError
 from glcloth.geometry.shapes import grid_triangles
-from glcloth.simulation.cloth import Box, Cloth, ClothParameters, Plane, Sphere, Wind
+from glcloth.simulation.cloth import Cloth, ClothParameters, Wind
 from glcloth.simulation.drape import surface_mesh
+from glcloth.simulation.solids import Box, Plane, Sphere
 from glcloth.twins.constraint import solve_line
 from glcloth.twins.wind import drag
 
@@ -91,9 +92,8 @@ def test_line_pass_is_the_exact_solution(make):
             ):
                 cloth.set_state(crumpled)
                 cloth._run(
-                    cloth._program("lines"), "Position Eliminated", lines, group=8, lines=lines, count=count,
-                    line_stride=line_stride, stride=stride, backward=backward, rest=rest, stretch_h2=alpha_h2,
-                    bend_h2=1e30,
+                    "passes/simulation/lines.comp", lines, lines=lines, count=count, line_stride=line_stride,
+                    stride=stride, backward=backward, rest=rest, stretch_h2=alpha_h2, bend_h2=1e30,
                 )  # fmt: skip
                 got = cloth.positions().astype(float)
                 start, w = crumpled.astype(float), cloth.inverse_mass.astype(np.float32).astype(float)
@@ -249,7 +249,7 @@ def test_near_lists_are_those_of_a_tree(make):
     cloth = make(hanging(20, 20), spacing=(0.0095, 0.0095), gap=0.01)
     cloth.set_state(positions)
     # The lists are made at the start of substeps whose number LIST_SUBSTEPS divides, as 0.
-    cloth._contact(cloth.vertex_count)
+    cloth._contact()
     reach = cloth.LIST_REACH * 0.01
     near = np.frombuffer(cloth._buffers["Near"].read(), np.int32).reshape(400, -1)
     count = np.frombuffer(cloth._buffers["NearCount"].read(), np.int32)

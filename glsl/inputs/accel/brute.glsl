@@ -15,6 +15,6 @@ void traverse(Ray ray, inout Visit visit) {
         vec3 b = uintBitsToFloat(texelFetch(corners, 3 * i + 1).xyz);
         vec3 c = uintBitsToFloat(texelFetch(corners, 3 * i + 2).xyz);
         uint tag = uint(i) | (texelFetch(attributes, i).x != 0u ? SOLID : 0u);
-        meet(visit, ray, tag, meet_triangle(ray, a, b, c), vec2(-3e38, 3e38));
+        accept(visit, ray, tag, meet_triangle(ray, a, b, c), vec2(-3e38, 3e38));
     }
 }

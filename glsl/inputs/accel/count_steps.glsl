@@ -1,5 +1,5 @@
 // Counts the steps through a tree and the triangle tests of each ray, for measurements.
-layout(std430, binding = 7) writeonly buffer Work { uvec2 work[]; };
+layout(std430) writeonly buffer Work { uvec2 work[]; };
 uint steps_done = 0u;
 uint tests_done = 0u;
 void count_step() { steps_done += 1u; }

@@ -1,5 +1,5 @@
 // Traversal of the kd-tree with a stack, near child first.   [Zhou 2008, section 4; Havran 2000]
-// Needs struct Ray, struct Visit, reach() and meet() from the pass that includes it. meet() is told the part of the ray
+// Needs struct Ray, struct Visit, t_limit() and accept() from the pass that includes it. accept() is told the part of the ray
 // that lies in the leaf. A visitor that defines SETTLES is also asked, by settle(), after each leaf: true if the leaf is to
 // be gone through again, because it wants what lies behind its hit.
 // A software rasteriser executes the body of a loop whose test stands at the top once more than it is wanted, for no lane;
@@ -62,8 +62,8 @@ void traverse(Ray ray, inout Visit visit) {
                 vec4 hit_1;
                 vec4 hit_2;
                 meet_pair(ray, uintBitsToFloat(a.xyz), uintBitsToFloat(b.xyz), c, d, hit_1, hit_2);
-                meet(visit, ray, a.w, hit_1, vec2(t_0, t_1));
-                meet(visit, ray, b.w, hit_2, vec2(t_0, t_1));
+                accept(visit, ray, a.w, hit_1, vec2(t_0, t_1));
+                accept(visit, ray, b.w, hit_2, vec2(t_0, t_1));
             }
             ++i;
         } while (i < last);
@@ -72,7 +72,7 @@ void traverse(Ray ray, inout Visit visit) {
         again = settle(visit, t_1);
 #endif
         // A triangle that reaches out of its leaf may be hit beyond it: only a hit within ends the search.
-        bool onward = !again && top > 0 && reach(visit) > t_1;
+        bool onward = !again && top > 0 && t_limit(visit) > t_1;
         more = again || onward;
         top -= onward ? 1 : 0;
         t_0 = onward ? t_1 : t_0;

@@ -1,5 +1,5 @@
 // Traversal of the bounding volume hierarchy with a stack, the nearer child first.   [Aila and Laine 2009]
-// Needs struct Ray, struct Visit, reach() and meet() from the pass that includes it.
+// Needs struct Ray, struct Visit, t_limit() and accept() from the pass that includes it.
 #include "trace/shared.glsl"
 #include "count.glsl"
 
@@ -23,7 +23,7 @@ void traverse(Ray ray, inout Visit visit) {
                 uvec4 right = texelFetch(bvh_nodes, n + 2);
                 vec2 l = slab(ray.o, inv_d, uintBitsToFloat(left.xyz), uintBitsToFloat(texelFetch(bvh_nodes, n + 1).xyz));
                 vec2 r = slab(ray.o, inv_d, uintBitsToFloat(right.xyz), uintBitsToFloat(texelFetch(bvh_nodes, n + 3).xyz));
-                float limit = min(reach(visit), ray.t_max);
+                float limit = min(t_limit(visit), ray.t_max);
                 bool in_left = max(l.x, 0.0) <= min(l.y, limit);
                 bool in_right = max(r.x, 0.0) <= min(r.y, limit);
                 bool left_first = in_left && (!in_right || l.x <= r.x);
@@ -47,7 +47,7 @@ void traverse(Ray ray, inout Visit visit) {
                 uvec4 a = texelFetch(leaf_corners, 3 * i);
                 vec3 b = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 1).xyz);
                 vec3 c = uintBitsToFloat(texelFetch(leaf_corners, 3 * i + 2).xyz);
-                meet(visit, ray, a.w, meet_triangle(ray, uintBitsToFloat(a.xyz), b, c), vec2(-3e38, 3e38));
+                accept(visit, ray, a.w, meet_triangle(ray, uintBitsToFloat(a.xyz), b, c), vec2(-3e38, 3e38));
             }
             ++i;
         } while (i < last);
@@ -56,7 +56,7 @@ void traverse(Ray ray, inout Visit visit) {
         bool search = top > 0;
         do {
             top -= search ? 1 : 0;
-            bool found = search && waiting_from[top] <= reach(visit);
+            bool found = search && waiting_from[top] <= t_limit(visit);
             at = found ? waiting[top] : at;
             search = search && !found && top > 0;
         } while (search);

@@ -8,7 +8,7 @@ uniform float ground_height;
 void traverse(Ray ray, inout Visit visit) {
     // A ray along the plane never meets it.
     float t = ray.d.y != 0.0 ? (ground_height - ray.o.y) / ray.d.y : -1.0;
-    meet(visit, ray, GROUND, vec4(t, 0.0, 0.0, 1.0), vec2(-3e38, 3e38));
+    accept(visit, ray, GROUND, vec4(t, 0.0, 0.0, 1.0), vec2(-3e38, 3e38));
     // Who asks whether anything is hit at all knows it now.
-    if (reach(visit) > ray.t_min) traverse_triangles(ray, visit);
+    if (t_limit(visit) > ray.t_min) traverse_triangles(ray, visit);
 }

@@ -7,8 +7,8 @@ struct Visit {
     vec2 weights;
 };
 
-float reach(Visit visit) { return visit.t; }
+float t_limit(Visit visit) { return visit.t; }
 
-void meet(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
+void accept(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
     if (hit.x > ray.t_min && hit.x < visit.t) visit = Visit(0.0, tag & ~SOLID, hit.yz);
 }

@@ -8,9 +8,9 @@ struct Visit {
     vec2 weights;  // barycentric coordinates of the second and third corner
 };
 
-float reach(Visit visit) { return visit.t; }
+float t_limit(Visit visit) { return visit.t; }
 
-void meet(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
+void accept(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
     uint triangle = tag & ~SOLID;
     if (hit.x > ray.t_min && (hit.x < visit.t || hit.x == visit.t && triangle < visit.triangle)) {
         visit = Visit(hit.x, triangle, hit.yz);

@@ -21,7 +21,7 @@ Visit start_visit(float t_max) {
     return Visit(t_max, 0, uvec4(NO_TRIANGLE), uvec4(NO_TRIANGLE));
 }
 
-float reach(Visit visit) { return visit.t; }
+float t_limit(Visit visit) { return visit.t; }
 
 uint lowest(uvec4 a, uvec4 b) {
     uvec4 m = min(a, b);
@@ -55,7 +55,7 @@ vec3 reckon(Visit visit, Ray ray) {
     return through;
 }
 
-void meet(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
+void accept(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
     // The same for all hits of a leaf.
     float first = max(window.x - 1e-5 * (1.0 + window.x), ray.t_min);
     float last = min(window.y + 1e-5 * (1.0 + window.y), ray.t_max);

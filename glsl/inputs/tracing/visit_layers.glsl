@@ -16,9 +16,9 @@ struct Visit {
     float t_max;    // 0 when enough was met
 };
 
-float reach(Visit visit) { return min(visit.t, visit.t_max); }
+float t_limit(Visit visit) { return min(visit.t, visit.t_max); }
 
-void meet(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
+void accept(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
     bool counts = hit.x > visit.from;
     visit.inside += counts && hit.x <= window.y ? 1 : 0;
     if (counts && (hit.x < visit.t || hit.x == visit.t && (tag & ~SOLID) < (visit.tag & ~SOLID))) {

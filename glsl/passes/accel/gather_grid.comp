@@ -3,18 +3,19 @@
 // Corners: position and packed normal; attributes: material and the packed x axes (yarn 1) of the three corners.
 #include "trace/octahedron.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Positions { vec4 position[]; };
-layout(std430, binding = 1) readonly buffer Normals { vec4 normal[]; };
-layout(std430, binding = 2) readonly buffer Tangents { vec4 tangent[]; };
-layout(std430, binding = 3) writeonly buffer Corners { uvec4 corner[]; };
-layout(std430, binding = 4) writeonly buffer Attributes { uvec4 attributes[]; };
+#include "inputs/gpu/item.glsl"
+layout(std430) readonly buffer Positions { vec4 position[]; };
+layout(std430) readonly buffer Normals { vec4 normal[]; };
+layout(std430) readonly buffer Tangents { vec4 tangent[]; };
+layout(std430) writeonly buffer Corners { uvec4 corner[]; };
+layout(std430) writeonly buffer Attributes { uvec4 attributes[]; };
 uniform int rows;
 uniform int columns;
 uniform int first;
 uniform int material;
 
 void main() {
-    int quad = int(gl_GlobalInvocationID.x);
+    int quad = item();
     if (quad >= (rows - 1) * (columns - 1)) return;
     int a = quad / (columns - 1) * columns + quad % (columns - 1);
     int vertex[4] = int[4](a, a + 1, a + columns, a + columns + 1);

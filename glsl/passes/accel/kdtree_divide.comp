@@ -9,19 +9,18 @@
 #include "trace/shared.glsl"
 #include "trace/split.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 2) uniform usamplerBuffer nodes;
-layout(binding = 3) uniform usamplerBuffer active_nodes;
-layout(binding = 4) uniform usamplerBuffer lane_data;
-layout(std430, binding = 3) writeonly buffer Nodes { uvec4 node[]; };
-layout(std430, binding = 5) buffer Counters { uint counter[]; };
-layout(std430, binding = 6) writeonly buffer Active { uint next_active[]; };
-layout(std430, binding = 7) writeonly buffer Roots { uvec4 root[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer nodes;
+uniform usamplerBuffer active_nodes;
+uniform usamplerBuffer lane_data;
+layout(std430) writeonly buffer Nodes { uvec4 node[]; };
+layout(std430) buffer Counters { uint counter[]; };
+layout(std430) writeonly buffer Active { uint next_active[]; };
+layout(std430) writeonly buffer Roots { uvec4 root[]; };
 uniform int active_count;
 uniform int lanes;
 uniform int level;
 uniform int small_size;      // a node of at most so many references is small
-uniform float empty_share;   // C_e: the share of the extent above which empty space is cut off
-uniform float growth_limit;  // give up splitting when the children hold more than this times the references
 uniform int node_capacity;
 uniform int ref_capacity;
 uniform int next_base;       // where the references of the next level begin
@@ -69,7 +68,7 @@ void make_child(uint self, vec3 low, vec3 high, uint count) {
 }
 
 void main() {
-    int index = int(gl_GlobalInvocationID.x);
+    int index = item();
     if (index >= active_count) return;
     int self = int(texelFetch(active_nodes, index).x);
     uvec2 range = texelFetch(nodes, 4 * self + 3).xy;
@@ -105,7 +104,7 @@ void main() {
             column = uint(2 + k);
         }
     }
-    vec4 gap = gap_plane(cell_low, cell_high, low, high, empty_share);
+    vec4 gap = gap_plane(cell_low, cell_high, low, high, EMPTY_SHARE);
     uint all_sides = 0u;
     if (gap.xyz != vec3(0.0)) {
         bool all_left = gap.x + gap.y + gap.z < 0.0;
@@ -114,7 +113,7 @@ void main() {
         count = all_left ? uvec2(range.y, 0u) : uvec2(0u, range.y);
     }
     bool inside = plane.w > dot(cell_low, plane.xyz) && plane.w < dot(cell_high, plane.xyz);
-    bool stop = !inside || level >= LARGE_LEVELS || float(count.x + count.y) > growth_limit * float(range.y);
+    bool stop = !inside || level >= LARGE_LEVELS || float(count.x + count.y) > GROWTH_LIMIT * float(range.y);
     uint children = 0u;
     if (!stop) {
         children = atomicAdd(counter[NODE_COUNT], 2u);

@@ -4,15 +4,16 @@
 //   leaf:  (first pair in leaf order, 3 | count << 2)
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 1) uniform usamplerBuffer refs;
-layout(binding = 2) uniform usamplerBuffer nodes;
-layout(binding = 7) uniform usamplerBuffer places;
-layout(std430, binding = 11) writeonly buffer TreeNodes { uvec2 tree_node[]; };
-layout(std430, binding = 12) writeonly buffer LeafPairs { uint leaf_pair[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer refs;
+uniform usamplerBuffer nodes;
+uniform usamplerBuffer places;
+layout(std430) writeonly buffer TreeNodes { uvec2 tree_node[]; };
+layout(std430) writeonly buffer LeafPairs { uint leaf_pair[]; };
 uniform int node_count;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= node_count) return;
     uvec4 head = texelFetch(nodes, 4 * i + 2);
     uvec2 place = texelFetch(places, i).xy;

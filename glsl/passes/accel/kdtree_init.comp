@@ -3,16 +3,17 @@
 // (the first triangle's number times two, plus one if its successor belongs to it).   [Zhou 2008, section 3]
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform usamplerBuffer corners;
-layout(binding = 11) uniform usamplerBuffer pairs;
-layout(std430, binding = 1) writeonly buffer Refs { uvec4 ref_out[]; };
-layout(std430, binding = 3) writeonly buffer Nodes { uvec4 node[]; };
-layout(std430, binding = 6) writeonly buffer Active { uint next_active[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer corners;
+uniform usamplerBuffer pairs;
+layout(std430) writeonly buffer Refs { uvec4 ref_out[]; };
+layout(std430) writeonly buffer Nodes { uvec4 node[]; };
+layout(std430) writeonly buffer Active { uint next_active[]; };
 uniform int pair_count;
 uniform float padding;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= pair_count) return;
     uint pair = texelFetch(pairs, i).x;
     int first = int(3u * (pair >> 1));

@@ -4,14 +4,15 @@
 // d = b, which nothing hits, and NO_TRIANGLE for the partner's number.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform usamplerBuffer corners;
-layout(binding = 9) uniform usamplerBuffer leaf_pairs;
-layout(binding = 10) uniform usamplerBuffer attributes;
-layout(std430, binding = 13) writeonly buffer LeafCorners { uvec4 leaf_corner[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer corners;
+uniform usamplerBuffer leaf_pairs;
+uniform usamplerBuffer attributes;
+layout(std430) writeonly buffer LeafCorners { uvec4 leaf_corner[]; };
 uniform int leaf_ref_count;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= leaf_ref_count) return;
     uint pair = texelFetch(leaf_pairs, i).x;
     uint triangle = pair >> 1;

@@ -5,12 +5,13 @@
 // of reference i: (left 0-31, left 32-63, right 0-31, right 32-63).
 #include "trace/shared.glsl"
 layout(local_size_x = 16) in;
-layout(binding = 6) uniform usamplerBuffer roots;
-layout(binding = 1) uniform usamplerBuffer refs;
-layout(std430, binding = 3) writeonly buffer Nodes { uvec4 node[]; };
-layout(std430, binding = 5) buffer Counters { uint counter[]; };
-layout(std430, binding = 6) writeonly buffer Active { uint next_active[]; };
-layout(std430, binding = 8) writeonly buffer Masks { uvec4 mask[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer roots;
+uniform usamplerBuffer refs;
+layout(std430) writeonly buffer Nodes { uvec4 node[]; };
+layout(std430) buffer Counters { uint counter[]; };
+layout(std430) writeonly buffer Active { uint next_active[]; };
+layout(std430) writeonly buffer Masks { uvec4 mask[]; };
 uniform int root_count;
 uniform int small_base;      // where the references of small nodes begin; masks are counted from there
 
@@ -20,9 +21,9 @@ vec3 ref_high(uint r) { return uintBitsToFloat(texelFetch(refs, int(2u * r) + 1)
 uint low_bits(int n) { return n >= 32 ? 0xffffffffu : n <= 0 ? 0u : (1u << n) - 1u; }
 
 void main() {
-    uint index = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
-    if (index >= uint(root_count)) return;
-    uvec4 root = texelFetch(roots, int(index));
+    int index = group();
+    if (index >= root_count) return;
+    uvec4 root = texelFetch(roots, index);
     if (root.w != 0u) return;
     uint first = root.y;
     int count = int(root.z);

@@ -4,16 +4,17 @@
 #include "trace/shared.glsl"
 #include "trace/split.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 1) uniform usamplerBuffer refs;
-layout(binding = 2) uniform usamplerBuffer nodes;
-layout(binding = 3) uniform usamplerBuffer active_nodes;
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer refs;
+uniform usamplerBuffer nodes;
+uniform usamplerBuffer active_nodes;
 // LANE_TEXELS each: (low, -) (high, -), then for every plane (counts across x, y, z, -) as side_counts() packs them
-layout(std430, binding = 4) writeonly buffer Lanes { uvec4 lane_out[]; };
+layout(std430) writeonly buffer Lanes { uvec4 lane_out[]; };
 uniform int active_count;
 uniform int lanes;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     int index = i / lanes;
     if (index >= active_count) return;
     int self = int(texelFetch(active_nodes, index).x);

@@ -5,11 +5,11 @@
 // `bounds` are the first nodes of the generations (children lie in a later generation than their parent), and the end.
 #include "trace/shared.glsl"
 layout(local_size_x = 256) in;
-layout(binding = 2) uniform usamplerBuffer nodes;
-layout(binding = 8) uniform usamplerBuffer bounds;
-layout(std430, binding = 5) writeonly buffer Counters { uint counter[]; };
-layout(std430, binding = 9) coherent buffer Sizes { uvec2 size[]; };      // nodes, triangles of the subtree
-layout(std430, binding = 10) coherent buffer Places { uvec2 place[]; };   // node, first triangle
+uniform usamplerBuffer nodes;
+uniform usamplerBuffer bounds;
+layout(std430) writeonly buffer Counters { uint counter[]; };
+layout(std430) coherent buffer Sizes { uvec2 size[]; };      // nodes, triangles of the subtree
+layout(std430) coherent buffer Places { uvec2 place[]; };   // node, first triangle
 uniform int generation_count;
 
 void main() {

@@ -2,12 +2,13 @@
 // The root's cell: the box of all references, from what the lanes of the first measurement found.
 #include "trace/shared.glsl"
 layout(local_size_x = 8) in;
-layout(binding = 4) uniform usamplerBuffer lane_data;
-layout(std430, binding = 3) writeonly buffer Nodes { uvec4 node[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer lane_data;
+layout(std430) writeonly buffer Nodes { uvec4 node[]; };
 uniform int lanes;
 
 void main() {
-    if (gl_GlobalInvocationID.x != 0u) return;
+    if (item() != 0) return;
     vec3 low = vec3(3e38);
     vec3 high = vec3(-3e38);
     for (int i = 0; i < lanes; ++i) {

@@ -7,12 +7,13 @@
 #include "trace/intersect.glsl"
 #include "trace/split.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform usamplerBuffer corners;
-layout(binding = 1) uniform usamplerBuffer refs;
-layout(binding = 2) uniform usamplerBuffer nodes;
-layout(binding = 3) uniform usamplerBuffer active_nodes;
-layout(binding = 4) uniform usamplerBuffer lane_data;
-layout(std430, binding = 1) writeonly buffer Refs { uvec4 ref_out[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer corners;
+uniform usamplerBuffer refs;
+uniform usamplerBuffer nodes;
+uniform usamplerBuffer active_nodes;
+uniform usamplerBuffer lane_data;
+layout(std430) writeonly buffer Refs { uvec4 ref_out[]; };
 uniform int active_count;
 uniform int lanes;
 uniform float padding;
@@ -39,7 +40,7 @@ void put(uint at, vec3 low, vec3 high, uint pair) {
 }
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     int index = i / lanes;
     int lane = i % lanes;
     if (index >= active_count) return;

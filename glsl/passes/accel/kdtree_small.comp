@@ -1,24 +1,24 @@
 #version 430
 // One level of small nodes, one invocation a node: the candidate of least SAH cost, or a leaf.
 // [Zhou 2008, section 3.2; Mat 6, erratum E11]
-//   cost = C_ts + (N_left A_left + N_right A_right) / A; a leaf costs its number of triangles.
+//   cost = C_TS + (N_left A_left + N_right A_right) / A; a leaf costs its number of triangles.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 1) uniform usamplerBuffer refs;
-layout(binding = 2) uniform usamplerBuffer nodes;
-layout(binding = 3) uniform usamplerBuffer active_nodes;
-layout(binding = 5) uniform usamplerBuffer masks;
-layout(std430, binding = 3) writeonly buffer Nodes { uvec4 node[]; };
-layout(std430, binding = 5) buffer Counters { uint counter[]; };
-layout(std430, binding = 6) writeonly buffer Active { uint next_active[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer refs;
+uniform usamplerBuffer nodes;
+uniform usamplerBuffer active_nodes;
+uniform usamplerBuffer masks;
+layout(std430) writeonly buffer Nodes { uvec4 node[]; };
+layout(std430) buffer Counters { uint counter[]; };
+layout(std430) writeonly buffer Active { uint next_active[]; };
 uniform int active_count;
 uniform int level;
 uniform int node_capacity;
-uniform float C_ts;
 uniform int small_base;      // where the references of small nodes begin; masks are counted from there
 
 void main() {
-    int index = int(gl_GlobalInvocationID.x);
+    int index = item();
     if (index >= active_count) return;
     int self = int(texelFetch(active_nodes, index).x);
     vec3 low = uintBitsToFloat(texelFetch(nodes, 4 * self).xyz);
@@ -53,7 +53,7 @@ void main() {
             // Strictly inside: then each plane serves once on a path, and the splitting ends.
             if (plane > low[axis] && plane < high[axis]) {
                 ivec4 bits = bitCount(texelFetch(masks, m + c) & set.xyxy);
-                float cost = C_ts * area + float(bits.x + bits.y) * (face[axis] + rim[axis] * (plane - low[axis]))
+                float cost = C_TS * area + float(bits.x + bits.y) * (face[axis] + rim[axis] * (plane - low[axis]))
                              + float(bits.z + bits.w) * (face[axis] + rim[axis] * (high[axis] - plane));
                 if (cost < best) {
                     best = cost;

@@ -1,13 +1,14 @@
 #version 430
 // The box of every LANES-th triangle's corners, for the box of all.
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform usamplerBuffer corners;
-layout(std430, binding = 4) writeonly buffer Lanes { vec4 lane_out[]; };  // low, high
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer corners;
+layout(std430) writeonly buffer Lanes { vec4 lane_out[]; };  // low, high
 uniform int triangle_count;
 uniform int lanes;
 
 void main() {
-    int lane = int(gl_GlobalInvocationID.x);
+    int lane = item();
     if (lane >= lanes) return;
     vec3 low = vec3(3e38);
     vec3 high = vec3(-3e38);

@@ -1,17 +1,18 @@
 #version 430
 // The boxes of the nodes, from the triangles up: of the two children of a node the later one goes on.   [Karras 2012]
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform usamplerBuffer corners;
-layout(binding = 1) uniform usamplerBuffer keys;
-layout(binding = 5) uniform usamplerBuffer tree;
-layout(binding = 6) uniform usamplerBuffer parents;
-layout(std430, binding = 7) coherent buffer Boxes { vec4 box[]; };  // low and high of the nodes, then of the keys
-layout(std430, binding = 8) coherent buffer Arrivals { uint arrivals[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer corners;
+uniform usamplerBuffer keys;
+uniform usamplerBuffer tree;
+uniform usamplerBuffer parents;
+layout(std430) coherent buffer Boxes { vec4 box[]; };  // low and high of the nodes, then of the keys
+layout(std430) coherent buffer Arrivals { uint arrivals[]; };
 uniform int key_count;
 uniform float padding;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= key_count) return;
     int triangle = int(texelFetch(keys, i).y);
     vec3 a = uintBitsToFloat(texelFetch(corners, 3 * triangle).xyz);

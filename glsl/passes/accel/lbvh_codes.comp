@@ -2,14 +2,15 @@
 // The Morton code of each triangle's middle.   [Karras 2012]
 #include "trace/morton.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform usamplerBuffer corners;
-layout(std430, binding = 1) writeonly buffer Keys { uvec2 key_out[]; };  // code, triangle
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer corners;
+layout(std430) writeonly buffer Keys { uvec2 key_out[]; };  // code, triangle
 uniform int triangle_count;
 uniform vec3 scene_low;
 uniform vec3 scene_high;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= triangle_count) return;
     vec3 a = uintBitsToFloat(texelFetch(corners, 3 * i).xyz);
     vec3 b = uintBitsToFloat(texelFetch(corners, 3 * i + 1).xyz);

@@ -3,15 +3,16 @@
 // A child is a node's number, or 0x80000000 | first triangle << 3 | count: subtrees of few triangles become leaves.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 1) uniform usamplerBuffer keys;
-layout(binding = 5) uniform usamplerBuffer tree;
-layout(binding = 7) uniform usamplerBuffer boxes;
-layout(std430, binding = 11) writeonly buffer BvhNodes { uvec4 bvh_node[]; };
-layout(std430, binding = 12) writeonly buffer LeafTriangles { uint leaf_triangle[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer keys;
+uniform usamplerBuffer tree;
+uniform usamplerBuffer boxes;
+layout(std430) writeonly buffer BvhNodes { uvec4 bvh_node[]; };
+layout(std430) writeonly buffer LeafTriangles { uint leaf_triangle[]; };
 uniform int key_count;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= key_count) return;
     leaf_triangle[i] = texelFetch(keys, i).y;
     if (i == key_count - 1) return;

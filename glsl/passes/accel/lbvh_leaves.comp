@@ -3,14 +3,15 @@
 // triangle's number instead of -, and SOLID if it is not cloth (material 0).
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform usamplerBuffer corners;
-layout(binding = 9) uniform usamplerBuffer leaf_triangles;
-layout(binding = 10) uniform usamplerBuffer attributes;
-layout(std430, binding = 13) writeonly buffer LeafCorners { uvec4 leaf_corner[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer corners;
+uniform usamplerBuffer leaf_triangles;
+uniform usamplerBuffer attributes;
+layout(std430) writeonly buffer LeafCorners { uvec4 leaf_corner[]; };
 uniform int leaf_ref_count;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= leaf_ref_count) return;
     uint triangle = texelFetch(leaf_triangles, i).x;
     uint tag = triangle | (texelFetch(attributes, int(triangle)).x != 0u ? SOLID : 0u);

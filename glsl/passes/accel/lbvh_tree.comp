@@ -3,9 +3,10 @@
 // A node: (left child, right child, first key, last key); a child is a key's number | 0x80000000, or a node's number.
 #include "trace/morton.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 1) uniform usamplerBuffer keys;
-layout(std430, binding = 5) writeonly buffer Tree { uvec4 tree_out[]; };
-layout(std430, binding = 6) writeonly buffer Parents { uint parent[]; };  // of the nodes, then of the keys
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer keys;
+layout(std430) writeonly buffer Tree { uvec4 tree_out[]; };
+layout(std430) writeonly buffer Parents { uint parent[]; };  // of the nodes, then of the keys
 uniform int key_count;
 
 int prefix(int i, int j) {
@@ -14,7 +15,7 @@ int prefix(int i, int j) {
 }
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= key_count - 1) return;
     // The node's range of keys grows from i to the side where more bits agree.
     int direction = prefix(i, i + 1) > prefix(i, i - 1) ? 1 : -1;

@@ -2,14 +2,15 @@
 // Radix sort, first of three passes a digit: how often each digit occurs in each chunk of keys.
 #include "trace/shared.glsl"
 layout(local_size_x = 8) in;
-layout(binding = 1) uniform usamplerBuffer keys;
-layout(std430, binding = 2) writeonly buffer Histogram { uint histogram[]; };  // by digit, then by chunk
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer keys;
+layout(std430) writeonly buffer Histogram { uint histogram[]; };  // by digit, then by chunk
 uniform int key_count;
 uniform int chunk_count;
 uniform int shift;
 
 void main() {
-    int chunk = int(gl_GlobalInvocationID.x);
+    int chunk = item();
     if (chunk >= chunk_count) return;
     const int DIGITS = 1 << SORT_BITS;
     uint times[DIGITS];

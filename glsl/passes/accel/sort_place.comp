@@ -2,15 +2,16 @@
 // Radix sort, third of three passes a digit: each chunk puts its keys in their places, in order, so the sort is stable.
 #include "trace/shared.glsl"
 layout(local_size_x = 8) in;
-layout(binding = 1) uniform usamplerBuffer keys;
-layout(binding = 3) uniform usamplerBuffer begins;
-layout(std430, binding = 1) writeonly buffer Keys { uvec2 key_out[]; };
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer keys;
+uniform usamplerBuffer begins;
+layout(std430) writeonly buffer Keys { uvec2 key_out[]; };
 uniform int key_count;
 uniform int chunk_count;
 uniform int shift;
 
 void main() {
-    int chunk = int(gl_GlobalInvocationID.x);
+    int chunk = item();
     if (chunk >= chunk_count) return;
     const int DIGITS = 1 << SORT_BITS;
     uint at[DIGITS];

@@ -1,8 +1,8 @@
 #version 430
 // Radix sort, second of three passes a digit: where the keys of each digit and chunk begin, by one work group.
 layout(local_size_x = 64) in;
-layout(binding = 2) uniform usamplerBuffer histogram;
-layout(std430, binding = 3) writeonly buffer Begins { uint begins[]; };
+uniform usamplerBuffer histogram;
+layout(std430) writeonly buffer Begins { uint begins[]; };
 uniform int entry_count;
 shared uint sums[64];
 

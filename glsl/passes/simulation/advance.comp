@@ -6,11 +6,12 @@
 // call of `resolve` for each solid.
 #include "simulate/collide.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) buffer Position { vec4 x[]; };       // xyz m, w = inverse mass 1/kg
-layout(std430, binding = 1) buffer Previous { vec4 p[]; };       // x at the start of the substep
-layout(std430, binding = 2) buffer Velocity { vec4 v[]; };       // m/s, within a substep as it was predicted
-layout(std430, binding = 3) readonly buffer Air { vec4 air[]; }; // acceleration by the air, m/s^2
-layout(std430, binding = 4) readonly buffer Contact { vec4 shift[]; };
+#include "inputs/gpu/item.glsl"
+layout(std430) buffer Position { vec4 x[]; };       // xyz m, w = inverse mass 1/kg
+layout(std430) buffer Previous { vec4 p[]; };       // x at the start of the substep
+layout(std430) buffer Velocity { vec4 v[]; };       // m/s, within a substep as it was predicted
+layout(std430) readonly buffer Air { vec4 air[]; }; // acceleration by the air, m/s^2
+layout(std430) readonly buffer Contact { vec4 shift[]; };
 uniform int vertex_count;
 uniform float h;
 uniform vec3 gravity;
@@ -33,7 +34,7 @@ vec3 resolve(vec3 point, vec3 before, vec4 surface) {
 #include "solids.glsl"
 
 void main() {
-    int index = int(gl_GlobalInvocationID.x);
+    int index = item();
     if (index >= vertex_count) {
         return;
     }

@@ -1,9 +1,10 @@
 #version 430
 // Acceleration of every vertex by the air: a third of the force on each triangle round it. One invocation per vertex.
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform samplerBuffer Position;
-layout(std430, binding = 1) writeonly buffer Air { vec4 air[]; };     // m/s^2
-layout(binding = 2) uniform samplerBuffer AirForce;   // N, two triangles per quad
+#include "inputs/gpu/item.glsl"
+uniform samplerBuffer Position;
+layout(std430) writeonly buffer Air { vec4 air[]; };     // m/s^2
+uniform samplerBuffer AirForce;   // N, two triangles per quad
 uniform int rows;
 uniform int columns;
 
@@ -20,7 +21,7 @@ vec3 share(int i, int j, vec2 even, vec2 odd) {
 }
 
 void main() {
-    int index = int(gl_GlobalInvocationID.x);
+    int index = item();
     if (index >= rows * columns) {
         return;
     }

@@ -1,20 +1,21 @@
 #version 430
 // Contact of the cloth with itself in one substep: how far each vertex should move, the mean over its contacts (a sum
-// would push too far where several vertices of one layer meet it). Read by simulate_finish. One invocation per vertex.
+// would push too far where several vertices of one layer meet it). Read by passes/simulation/advance.comp. One invocation per vertex.
 #include "simulate/shared.glsl"
 #include "simulate/contact.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform samplerBuffer Position;
-layout(binding = 1) uniform samplerBuffer Previous;
-layout(std430, binding = 2) writeonly buffer Contact { vec4 shift[]; };
-layout(binding = 3) uniform isamplerBuffer Near;
-layout(binding = 4) uniform isamplerBuffer NearCount;
+#include "inputs/gpu/item.glsl"
+uniform samplerBuffer Position;
+uniform samplerBuffer Previous;
+layout(std430) writeonly buffer Contact { vec4 shift[]; };
+uniform isamplerBuffer Near;
+uniform isamplerBuffer NearCount;
 uniform int vertex_count;
 uniform float gap;   // m
 uniform float mu;
 
 void main() {
-    int index = int(gl_GlobalInvocationID.x);
+    int index = item();
     if (index >= vertex_count) {
         return;
     }

@@ -5,8 +5,9 @@
 // on the way back it moves the vertices by the exact solution of all the line's edges.
 #include "simulate/constraint.glsl"
 layout(local_size_x = 8) in;
-layout(std430, binding = 0) buffer Position { vec4 x[]; };
-layout(std430, binding = 1) buffer Eliminated { vec2 eliminated[]; };   // pivot and d of the edge before each vertex
+#include "inputs/gpu/item.glsl"
+layout(std430) buffer Position { vec4 x[]; };
+layout(std430) buffer Eliminated { vec2 eliminated[]; };   // pivot and d of the edge before each vertex
 uniform int lines;
 uniform int count;          // vertices in a line, >= 3
 uniform int line_stride;
@@ -24,7 +25,7 @@ vec4 edge(vec3 a, vec3 b) {
 }
 
 void main() {
-    int line = int(gl_GlobalInvocationID.x);
+    int line = item();
     if (line >= lines) {
         return;
     }

@@ -4,20 +4,21 @@
 #include "simulate/shared.glsl"
 #include "simulate/contact.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Position { vec4 x[]; };
-layout(std430, binding = 1) readonly buffer Begin { int begin[]; };
-layout(std430, binding = 2) readonly buffer Cursor { int cursor[]; };
-layout(std430, binding = 3) readonly buffer Member { int member[]; };
-layout(std430, binding = 4) writeonly buffer Near { int near[]; };       // MAX_NEAR slots per vertex
-layout(std430, binding = 5) writeonly buffer NearCount { int near_count[]; };
-layout(std430, binding = 6) buffer Overflow { int overflow; };           // the longest list asked for, if too long
+#include "inputs/gpu/item.glsl"
+layout(std430) readonly buffer Position { vec4 x[]; };
+layout(std430) readonly buffer Begin { int begin[]; };
+layout(std430) readonly buffer Cursor { int cursor[]; };
+layout(std430) readonly buffer Member { int member[]; };
+layout(std430) writeonly buffer Near { int near[]; };       // MAX_NEAR slots per vertex
+layout(std430) writeonly buffer NearCount { int near_count[]; };
+layout(std430) buffer Overflow { int overflow; };           // the longest list asked for, if too long
 uniform int vertex_count;
 uniform int columns;
 uniform int table_size;
 uniform float cell_size;
 
 void main() {
-    int index = int(gl_GlobalInvocationID.x);
+    int index = item();
     if (index >= vertex_count) {
         return;
     }

@@ -3,17 +3,18 @@
 // (a curtain, whose pleats meet side by side), much cheaper than looking in all directions. One invocation per vertex.
 #include "simulate/shared.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform samplerBuffer Position;
-layout(std430, binding = 1) writeonly buffer Near { int near[]; };       // MAX_NEAR slots per vertex
-layout(std430, binding = 2) writeonly buffer NearCount { int near_count[]; };
-layout(std430, binding = 3) buffer Overflow { int overflow; };           // the longest list asked for, if too long
+#include "inputs/gpu/item.glsl"
+uniform samplerBuffer Position;
+layout(std430) writeonly buffer Near { int near[]; };       // MAX_NEAR slots per vertex
+layout(std430) writeonly buffer NearCount { int near_count[]; };
+layout(std430) buffer Overflow { int overflow; };           // the longest list asked for, if too long
 uniform int vertex_count;
 uniform int columns;
 uniform int window;      // columns to look at on either side
 uniform float reach;     // m
 
 void main() {
-    int index = int(gl_GlobalInvocationID.x);
+    int index = item();
     if (index >= vertex_count) {
         return;
     }

@@ -2,14 +2,15 @@
 // Smooth normals and yarn-1 directions of the grid by central differences (one-sided at the border). One invocation
 // per vertex. Rows run down yarn 2 (v falls), columns along yarn 1 (u grows).
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform samplerBuffer Position;
-layout(std430, binding = 1) writeonly buffer Normal { vec4 normal[]; };
-layout(std430, binding = 2) writeonly buffer Tangent { vec4 tangent[]; };
+#include "inputs/gpu/item.glsl"
+uniform samplerBuffer Position;
+layout(std430) writeonly buffer Normal { vec4 normal[]; };
+layout(std430) writeonly buffer Tangent { vec4 tangent[]; };
 uniform int rows;
 uniform int columns;
 
 void main() {
-    int index = int(gl_GlobalInvocationID.x);
+    int index = item();
     if (index >= rows * columns) {
         return;
     }

@@ -2,9 +2,9 @@
 // Contact, step 2: where each bucket's vertices begin; one workgroup scans the whole table, each invocation a run of
 // it. The counts are zeroed for the next time.
 layout(local_size_x = 256) in;
-layout(std430, binding = 0) buffer Count { int bucket_count[]; };
-layout(std430, binding = 1) writeonly buffer Begin { int begin[]; };
-layout(std430, binding = 2) writeonly buffer Cursor { int cursor[]; };
+layout(std430) buffer Count { int bucket_count[]; };
+layout(std430) writeonly buffer Begin { int begin[]; };
+layout(std430) writeonly buffer Cursor { int cursor[]; };
 uniform int table_size;   // a multiple of 256
 shared int total[256];
 

@@ -2,13 +2,14 @@
 // Contact, step 4: order each bucket by vertex number. The atomic counter filled it in any order; sums of floats in any
 // order would differ in the last bit from run to run. One invocation per bucket.
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Begin { int begin[]; };
-layout(std430, binding = 1) readonly buffer Cursor { int cursor[]; };
-layout(std430, binding = 2) buffer Member { int member[]; };
+#include "inputs/gpu/item.glsl"
+layout(std430) readonly buffer Begin { int begin[]; };
+layout(std430) readonly buffer Cursor { int cursor[]; };
+layout(std430) buffer Member { int member[]; };
 uniform int table_size;
 
 void main() {
-    int index = int(gl_GlobalInvocationID.x);
+    int index = item();
     if (index >= table_size) {
         return;
     }

@@ -3,7 +3,8 @@
 // strips in one dispatch, which share no vertex.
 #include "simulate/constraint.glsl"
 layout(local_size_x = 8) in;
-layout(std430, binding = 0) buffer Position { vec4 x[]; };
+#include "inputs/gpu/item.glsl"
+layout(std430) buffer Position { vec4 x[]; };
 uniform int rows;
 uniform int columns;
 uniform int parity;
@@ -12,7 +13,7 @@ uniform float rest;       // m, length of a diagonal
 uniform float shear_h2;   // compliance / h^2, 1/kg
 
 void main() {
-    int i = 2 * int(gl_GlobalInvocationID.x) + parity;
+    int i = 2 * item() + parity;
     if (i >= rows - 1) {
         return;
     }

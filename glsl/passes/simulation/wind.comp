@@ -2,9 +2,10 @@
 // Force of the air on every triangle. One invocation per quad, two triangles each.
 #include "simulate/wind.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 0) uniform samplerBuffer Position;
-layout(binding = 1) uniform samplerBuffer Velocity;
-layout(std430, binding = 2) writeonly buffer AirForce { vec4 F[]; };
+#include "inputs/gpu/item.glsl"
+uniform samplerBuffer Position;
+uniform samplerBuffer Velocity;
+layout(std430) writeonly buffer AirForce { vec4 F[]; };
 uniform int rows;
 uniform int columns;
 uniform float h;            // s, for how long the force will act
@@ -26,7 +27,7 @@ vec4 air_force(int i_0, int i_1, int i_2) {
 }
 
 void main() {
-    int quad = int(gl_GlobalInvocationID.x);
+    int quad = item();
     if (quad >= (rows - 1) * (columns - 1)) {
         return;
     }

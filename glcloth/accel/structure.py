@@ -1,0 +1,72 @@
+"""What every acceleration structure offers, and the structures by their names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Protocol
+
+import moderngl
+import numpy as np
+
+from ..errors import InputError
+from .brute import Brute
+from .kdtree import KdTree
+from .lbvh import Lbvh
+from .triangles import Triangles
+
+
+class Structure(Protocol):
+    """An acceleration structure over `Triangles`; a pass traces through it by `#include "accel.glsl"`.
+
+    source: the GLSL file with `traverse`. ordered_hits: whether that finds hits in their order, so that a visitor may ask
+    for all layers. triangles: what it was built of. timings: ms of each stage of the last build.
+    """
+
+    @property
+    def source(self) -> str: ...
+
+    @property
+    def ordered_hits(self) -> bool: ...
+
+    @property
+    def triangles(self) -> Triangles | None: ...
+
+    @property
+    def node_count(self) -> int: ...
+
+    @property
+    def leaf_ref_count(self) -> int: ...
+
+    @property
+    def timings(self) -> dict[str, float]: ...
+
+    def build(self, triangles: Triangles) -> None:
+        """Build it of the triangles as they are now."""
+
+    def build_steps(self, triangles: Triangles) -> Iterator[None]:
+        """As `build`, in steps, for a caller with other things to do in between."""
+
+    def inputs(self) -> dict[str, Any]:
+        """What `source` reads, by its names there."""
+
+    def bind(self, program) -> None:
+        """Bind `inputs` for programs of before, which have binding numbers."""
+
+    def chunks(self) -> Iterator[dict[str, int]]:
+        """The uniforms of each dispatch that one query takes."""
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """The structure as NumPy arrays: axis [N] (3 = leaf), count [N], depth [N] of its nodes, and triangles [R]."""
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+
+
+STRUCTURES: dict[str, type[KdTree | Lbvh | Brute]] = {"kdtree": KdTree, "lbvh": Lbvh, "brute": Brute}
+
+
+def make_structure(ctx: moderngl.Context, name: str) -> Structure:
+    """A new structure of a name. Raises InputError for an unknown one."""
+    if name not in STRUCTURES:
+        raise InputError(f"accelerator {name!r}: expected one of {', '.join(STRUCTURES)}")
+    return STRUCTURES[name](ctx)
