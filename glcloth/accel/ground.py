@@ -17,6 +17,10 @@ class OverGround:
     def __init__(self, structure, height: float):
         self.structure, self.height = structure, float(height)
 
+    def inputs(self) -> dict:
+        """What inputs/accel/lbvh_ground.glsl reads."""
+        return self.structure.inputs() | {"ground_height": self.height}
+
     def bind(self, program) -> None:
         """Bind what inputs/accel/lbvh_ground.glsl reads."""
         self.structure.bind(program)

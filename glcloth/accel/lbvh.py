@@ -136,6 +136,10 @@ class Lbvh:
         self._programs[stage].run(-(-invocations // group))
         self.ctx.memory_barrier()
 
+    def inputs(self) -> dict:
+        """What inputs/accel/lbvh.glsl reads."""
+        return {name: self._buffers[name] for name in ("bvh_nodes", "leaf_corners")}
+
     def bind(self, program) -> None:
         """Bind what inputs/accel/lbvh.glsl reads."""
         self._buffers["bvh_nodes"].bind(8)

@@ -100,7 +100,6 @@ class GBuffer:
         self.program = program or shader.program(ctx, "passes/picture/surface.vert", "passes/picture/surface.frag")
         self._among_program = None
         self.released = False
-        self.seen: moderngl.TextureArray | None = None  # what each pixel sees of the lights, if a method asks
         self.ray_from_pixel = np.eye(3)
         self._drawn: tuple | None = None
 
@@ -194,6 +193,11 @@ class GBuffer:
         if "frame_p" in program:
             self.bind_points(program)
 
+    def inputs(self) -> dict:
+        """What inputs/picture/gbuffer.glsl and inputs/picture/gbuffer_point.glsl read."""
+        frames = {"frame_N": self.frame_N, "frame_x": self.frame_x, "frame_p": self.frame_p, "frame_b": self.frame_b}
+        return frames | {"ray_from_pixel": self.ray_from_pixel}
+
     def bind_points(self, program) -> None:
         """Give a program that includes inputs/picture/gbuffer_point.glsl the point and the triangle that each pixel sees."""
         self.frame_p.use(POINT_UNITS[0])
@@ -203,15 +207,6 @@ class GBuffer:
     def drawn(self) -> tuple | None:
         """What the frames hold: the mesh's buffers, the camera and the place in the pixel."""
         return self._drawn
-
-    def reserve_seen(self, layers: int) -> moderngl.TextureArray:
-        """`seen` with at least so many layers of four bytes a pixel; the content is lost when it grows."""
-        if self.seen is None or self.seen.layers < layers:
-            if self.seen is not None:
-                self.seen.release()
-            self.seen = self.ctx.texture_array((*self.size, layers), 4, dtype="f1")
-            self.seen.filter = moderngl.NEAREST, moderngl.NEAREST
-        return self.seen
 
     def shade(self, program, add: bool = False, rows: tuple[int, int] | None = None) -> None:
         """Run a program of passes/picture/screen.vert for every covered pixel; `add` its colour instead of setting it.
@@ -278,5 +273,3 @@ class GBuffer:
             self.depth,
         ):
             thing.release()
-        if self.seen is not None:
-            self.seen.release()

@@ -31,10 +31,10 @@ from ..methods.paper.method import Paper
 from ..methods.reference import Reference
 from ..progress import check_stopped, track
 from ..scene import Scene, load_scene
-from ..settings import MethodName, Quality, Settings
-from ..settings import Shadows as ShadowMode
-from ..visibility.bounce import Gather
-from ..visibility.pixels import SEEN_ALL, Beside, Shadows, is_next_pose
+from ..settings import MethodName, Quality, Settings, ShadowMode
+from ..visibility.bounce import Bounce
+from ..visibility.hit_vertices import HitSurface
+from ..visibility.pixels import SEEN_ALL, Occluders, PixelView, PixelVisibility, bind_numbered, is_next_pose
 from ..visibility.probes import lift_off_facets, subdivided
 from ..visibility.solids import Around
 from .adaptive import AdaptiveRate
@@ -98,11 +98,12 @@ class Renderer:
         self._methods: dict[str, object] = {}
         self._programs: dict[tuple, object] = {}
         self._meshes: dict[int, MeshBuffers] = {}
-        self._shadows: Shadows | None = None
+        self._shadows: PixelVisibility | None = None
         self._finer: tuple[Mesh, Mesh] | None = None  # a mesh, and what it is drawn as with shadows
         self._occluders: tuple | None = None  # mesh, objects' mesh, ground's height, triangles, structure
         self._around: Around | None = None
-        self._gather: Gather | None = None
+        self._gather: Bounce | None = None
+        self._views: dict[GBuffer, PixelView] = {}
         self._solids: tuple | None = None  # names and when their files changed, meshes and reflectances
         self._objects: tuple | None = None  # cloth, those, the ground, Objects
         self._follow = False
@@ -269,7 +270,7 @@ class Renderer:
         lookouts = [s for s in (shadows, around and around.shadows) if s is not None]
         if hurry:
             for one in lookouts:
-                one.hurry()
+                one.preview()
         elif lookouts:
             total = sum(one.total() for one in lookouts)
             for _ in track(self.look(frame), "shadows: directions", total) if what else self.look(frame):
@@ -305,9 +306,9 @@ class Renderer:
             first = 0
             while first < scene.size[1]:
                 count = scene.size[1] if rows is None else max(1, min(rows(), scene.size[1] - first))
-                self.shared.bind(program)
                 if shadows is not None:
-                    self._bind_shadows(shadows, program, frame, buffer)
+                    bind_numbered(program, self._view(shadows, buffer).inputs(self.shared))
+                self.shared.bind(program)
                 method.bind(program)
                 shader.set_uniforms(
                     program, pass_weight=1.0 / scene.spp, pass_cover=1.0 / (scene.spp * len(passes)), **uniforms
@@ -342,13 +343,13 @@ class Renderer:
             return "off"
         return scene.shadows
 
-    def _prepare_shadows(self, frame: Frame) -> Shadows | None:
+    def _prepare_shadows(self, frame: Frame) -> PixelVisibility | None:
         """The shadows of a frame; None where it has none."""
         mode = self._shadow_mode(frame)
         if mode == "off":
             return None
         if self._shadows is None:
-            self._shadows = Shadows(self.ctx)
+            self._shadows = PixelVisibility(self.ctx)
         around = self._take_around(frame)
         structure = self.occluders(frame.mesh, around)
         beside = None if around is None else self._beside(frame, around, around.mesh)
@@ -356,13 +357,14 @@ class Renderer:
         self._shadows.prepare(mode, drawn, frame.mesh, structure, frame.lights, frame.scene.bounce, beside)
         return self._shadows
 
-    def _beside(self, frame: Frame, around: Around, mesh: Mesh) -> Beside:
+    def _beside(self, frame: Frame, around: Around, mesh: Mesh) -> Occluders:
         """What hides light beside the cloth of a frame (`mesh` is that of what stands about it), or the other way round."""
         if self._gather is None:
-            self._gather = Gather(self.ctx)
+            self._gather = Bounce(self.ctx)
         structure = self.occluders(frame.mesh, around)
-        self._gather.places.prepare(self.drawn_mesh(frame), frame.mesh, around, structure.triangles)
-        return Beside((mesh,), frame.objects.ground is not None, self._gather.places)
+        surfaces = [HitSurface(self.drawn_mesh(frame), frame.mesh), around.hit_surface]
+        self._gather.hit_vertices.prepare(surfaces, structure.triangles)
+        return Occluders((mesh,), frame.objects.ground is not None, self._gather.hit_vertices)
 
     def _take_around(self, frame: Frame) -> Around | None:
         """What stands about the cloth of a frame, on the GPU; None where nothing does."""
@@ -389,16 +391,21 @@ class Renderer:
         """Take meshes with the same triangles for poses of one cloth that moves: of what its vertices see a quarter is
         traced anew at each, the rest is that of the last three. A cut, a jump of the cloth, is noticed."""
         if self._shadows is None:
-            self._shadows = Shadows(self.ctx)
+            self._shadows = PixelVisibility(self.ctx)
         self._follow = follow
         self._shadows.follow_poses(follow)
         if self._around is not None:
             self._around.shadows.follow_poses(follow)
 
     @property
-    def shadows(self) -> Shadows | None:
+    def shadows(self) -> PixelVisibility | None:
         """What the shadows keep; None before the first picture with shadows."""
         return self._shadows
+
+    @property
+    def shadow_view(self) -> PixelView:
+        """What the pixels of the last draw with shadows see."""
+        return self._views[self._gbuffer]
 
     def drawn_mesh(self, frame: Frame) -> Mesh:
         """The mesh of a frame, with more vertices where its shadows need them."""
@@ -414,7 +421,7 @@ class Renderer:
         mesh: MeshBuffers,
         method,
         frame: Frame,
-        shadows: Shadows | None,
+        shadows: PixelVisibility | None,
         offset,
         in_bands: bool,
         around: Around | None,
@@ -437,32 +444,33 @@ class Renderer:
             return
         places = sample_offsets(frame.scene.spp)
         sample = places.index(offset), len(places)
-        lookouts = [(shadows, buffer, method)]
+        none = np.zeros(len(frame.lights.gaussians))
+        lookouts = [(self._view(shadows, buffer), getattr(method, "broad", none))]
         bounces = around is not None and self._bounces(frame)
         if around is not None:
-            lookouts.append((around.shadows, around.beside(buffer), None))
-        for one, target, means in lookouts:
+            lookouts.append((self._view(around.shadows, around.beside(buffer)), None))
+        for one, broad in lookouts:
             if in_bands:
-                one.integrate(means)
+                one.visibility.integrate(broad)
                 self.ctx.finish()
                 yield
-            one.look(target, means, sample)
+            one.resolve(broad, sample)
             if in_bands:
                 self.ctx.finish()
                 yield
             if not hurry:
-                for _ in one.edges(target, *([SLICE] if in_bands else [])):
+                for _ in one.edges(*([SLICE] if in_bands else [])):
                     if in_bands:
                         yield
         if bounces:
-            albedo = shadows.albedo(frame.fabric, self.shared)
-            structure = self.occluders(frame.mesh, around)
-            for _ in self._gather.gather(shadows, around, structure, frame.lights, self.shared, albedo):
+            albedo = shadows.furnace.albedo(self.shared)
+            surfaces = [(shadows, albedo), (around.shadows, around.vertex_reflectances)]
+            for _ in self._gather.gather(surfaces, self.shared):
                 if in_bands:
                     self.ctx.finish()
                     yield
-            for one, target, _ in lookouts:
-                self._gather.fill(one, target)
+            for one, _ in lookouts:
+                one.resolve_bounce()
             if in_bands:
                 self.ctx.finish()
                 yield
@@ -471,12 +479,13 @@ class Renderer:
         """Whether light goes between cloth and what stands about it."""
         return frame.objects is not None and self._shadow_mode(frame) == "full" and frame.scene.bounce
 
-    def _bind_shadows(self, shadows: Shadows, program, frame: Frame, buffer: GBuffer) -> None:
-        """Bind what the pixels of the cloth see, and what comes back to them."""
-        shadows.bind(program, frame.fabric, self.shared)
-        if self._bounces(frame):
-            self._gather.bind(buffer)
-            self._gather.bind_views(frame.fabric, self.shared)
+    def _view(self, visibility: PixelVisibility, buffer: GBuffer) -> PixelView:
+        """What the pixels of a G-buffer see."""
+        for key in [key for key in self._views if key.released]:
+            self._views.pop(key).release()
+        if buffer not in self._views or self._views[buffer].visibility is not visibility:
+            self._views[buffer] = PixelView(visibility, buffer)
+        return self._views[buffer]
 
     def _shade_around(
         self, buffer: GBuffer, around: Around, method, frame: Frame, passes: list[dict], number: int = 0, band=None
@@ -489,11 +498,10 @@ class Renderer:
         elif number:
             return  # the first pass did it all
         else:
-            program, cover = around.lit_by_means(frame.lights, self.shared), weight
-            bounces = self._bounces(frame)
-            shader.set_uniforms(program, bounces=bounces)
-            if bounces:
-                self._gather.bind(around.beside(buffer))
+            off = self._shadow_mode(frame) == "off"
+            view = None if off else self._view(around.shadows, around.beside(buffer))
+            program, cover = around.lit_by_means(frame.lights, self.shared, view), weight
+            shader.set_uniforms(program, bounces=self._bounces(frame))
         around.run(buffer, program, weight, cover, band)
 
     def _shade_adaptively(
@@ -503,7 +511,7 @@ class Renderer:
         method,
         program,
         frame: Frame,
-        shadows: Shadows | None,
+        shadows: PixelVisibility | None,
         rows: Callable[[], int] | None,
         around: Around | None,
         hurry: bool,
@@ -515,9 +523,9 @@ class Renderer:
         list_program = self.program("passes/picture/shade_list.comp", method, shadows)
 
         def bind(one) -> None:
-            self.shared.bind(one)
             if shadows is not None:
-                self._bind_shadows(shadows, one, frame, buffer)
+                bind_numbered(one, self._view(shadows, buffer).inputs(self.shared))
+            self.shared.bind(one)
             method.bind(one)
 
         for one in (program, list_program):
@@ -602,7 +610,7 @@ class Renderer:
             self._methods[name] = METHODS[name](self.ctx)
         return self._methods[name]
 
-    def program(self, pass_path: str, method, shadows: Shadows | None = None):
+    def program(self, pass_path: str, method, shadows: PixelVisibility | None = None):
         """The program of a pass with a method, with shadows or without, compiled at first use. Raises ShaderError."""
         defines = method.defines()
         seen = SEEN_ALL if shadows is None else shadows.source

@@ -9,18 +9,18 @@ import numpy as np
 
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
-from ..geometry.props import RINGS, SECTORS, Objects
+from ..geometry.props import Objects
 from ..gpu import shader
 from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import Among, GBuffer, MeshBuffers
 from ..light.lights import Lights
-from ..settings import Shadows as Mode
-from ..twins.lambert import gaussian_irradiance
-from .pixels import Beside, Shadows
+from ..settings import ShadowMode
+from .hit_vertices import HitSurface
+from .irradiance import irradiance_table
+from .pixels import Occluders, PixelView, PixelVisibility, bind_numbered
 from .probes import subdivided
 from .vertices import COSINE
 
-STEPS = 256  # of the table of irradiance over the cosine from -1 to 1: linear between them it errs by 1e-4 of a light's flux
 NEAREST = 0.3  # of the eye's height above the ground: nothing of the ground is nearer to the eye
 EDGE_OFFSET = 0.05  # of a mesh's mean edge: how far rays that light a vertex start from it,
 GROUND_OFFSET = 2e-4  # of its scale: from the ground, where nothing is curved
@@ -36,15 +36,13 @@ class Around:
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
-        self.shadows = Shadows(ctx, COSINE)
+        self.shadows = PixelVisibility(ctx, COSINE)
         self.objects: Objects | None = None
         self.mesh: Mesh | None = None
         self.buffers: MeshBuffers | None = None
         self.solid = 0  # triangles of objects; the ground's follow
         self.solid_vertices = 0
         self._reflectances = TextureBuffer(ctx, 16)
-        self._table = TextureBuffer(ctx, 16, "r32f")
-        self._table_of: np.ndarray | None = None
         self._programs: dict[tuple, object] = {}
         self._targets: dict[GBuffer, tuple[GBuffer, moderngl.Framebuffer]] = {}
 
@@ -68,6 +66,7 @@ class Around:
                 self.offsets = np.concatenate([self.offsets, off])
         self.objects = objects
         self._reflectances.write(self.reflectances())
+        self.vertex_reflectances = self._vertex_reflectances()
 
     def reflectances(self) -> np.ndarray:
         """Of every triangle [T, 4] float32; one row more for what is met of the ground."""
@@ -77,7 +76,7 @@ class Around:
         rows[:, :3] = np.concatenate([*parts, np.tile(color, (len(rows) - self.solid, 1))])
         return rows
 
-    def vertex_reflectances(self) -> np.ndarray:
+    def _vertex_reflectances(self) -> np.ndarray:
         """Of every vertex [V, 4] float32: the mean of the triangles about it."""
         corners, colors = self.mesh.triangles, self.reflectances()[: len(self.mesh.triangles)]
         rows = np.zeros((len(self.mesh.positions), 4))
@@ -89,6 +88,11 @@ class Around:
     def triangles(self) -> np.ndarray:
         """The corners [T, 3, 3] of what hides light, but for the ground."""
         return self.mesh.positions[self.mesh.triangles[: self.solid]]
+
+    @property
+    def hit_surface(self) -> HitSurface:
+        """Where rays can end on these."""
+        return HitSurface(self.mesh, self.mesh, self.offsets, self.solid, self.objects.ground)
 
     # -- drawing -----------------------------------------------------------------------------------------------------
 
@@ -138,29 +142,21 @@ class Around:
 
     # -- light -------------------------------------------------------------------------------------------------------
 
-    def look_out(self, mode: Mode, structure, lights: Lights, bounce: bool, beside: Beside) -> None:
-        """Choose what hides what, as `Shadows.prepare`; nothing is traced yet."""
-        self.shadows.prepare(mode, self.mesh, self.mesh, structure, lights, bounce, beside)
+    def look_out(self, mode: ShadowMode, structure, lights: Lights, bounce: bool, occluders: Occluders) -> None:
+        """Choose what hides what, as `PixelVisibility.prepare`; nothing is traced yet."""
+        self.shadows.prepare(mode, self.mesh, self.mesh, structure, lights, bounce, occluders)
         self._mode = mode
 
-    def lit_by_means(self, lights: Lights, shared):
-        """The program that shades by Gaussians and suns, each as far as `look` found it seen, ready to `run`; `shared` has
+    def lit_by_means(self, lights: Lights, shared, view: PixelView | None):
+        """The program that shades by Gaussians and suns, each as far as a view finds it seen, ready to `run`; `shared` has
         the lights."""
         program = self.program("inputs/visibility/lit_means.glsl")
         shared.bind(program)
-        self.bind_table(lights)
-        if self._mode != "off":
-            self.shadows.bind_seen(program)
+        irradiance_table(self.ctx, lights)["irradiance_table"].bind(TABLE_UNIT)
+        if view is not None:
+            bind_numbered(program, view.inputs())
         shader.set_uniforms(program, everything=self._mode == "off")
         return program
-
-    def bind_table(self, lights: Lights) -> None:
-        """Bind what inputs/visibility/irradiance_table.glsl reads, made when the lights' widths change."""
-        if self._table_of is None or not np.array_equal(self._table_of, lights.gaussians.sharpness):
-            cos = np.linspace(-1.0, 1.0, STEPS + 1)
-            self._table.write(gaussian_irradiance(lights.gaussians.sharpness[:, None], cos).astype("f4"))
-            self._table_of = lights.gaussians.sharpness
-        self._table.bind(TABLE_UNIT)
 
     def bind(self, program) -> None:
         """Bind the reflectances of the triangles."""
@@ -204,20 +200,6 @@ class Around:
                 self.ctx, "passes/picture/screen.vert", "passes/picture/lambert.frag", defines, virtual
             )
         return self._programs[key]
-
-
-def ground_uniforms(objects: Objects, first: int) -> dict:
-    """The uniforms of inputs/visibility/ground_cell.glsl; `first` is the number of the ground's first vertex."""
-    ground = objects.ground
-    if ground is None:
-        return {"ground_first": -1}
-    return {
-        "ground_first": first,
-        "ground_middle": ground.center,
-        "ground_scale": ground.scale,
-        "ground_rings": RINGS,
-        "ground_sectors": SECTORS,
-    }
 
 
 def _offsets(mesh: Mesh) -> np.ndarray:
