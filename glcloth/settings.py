@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 MethodName = Literal["direct", "paper", "reference"]
 Quality = Literal["draft", "normal", "high"]
-Shadows = Literal["off", "sun", "full"]
+ShadowMode = Literal["off", "sun", "full"]
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Settings:
     cube: int = 32
     contribution: float = 0.9
     grid: int = 48
-    shadows: Shadows = "off"
+    shadows: ShadowMode = "off"
     bounce: bool = True
     environment: Environment | None = None
     rotation: np.ndarray | None = None

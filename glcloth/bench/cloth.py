@@ -159,9 +159,9 @@ def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:
         [measured(lambda: vertices.integrate(frame.lights.rotated(np.eye(3)), broad)) for _ in range(times)], 0
     )
     renderer.draw(frame)
-    buffer = renderer.gbuffer
-    renderer.shadows.forget_edges(buffer)
-    edges = measured(lambda: list(renderer.shadows.edges(buffer)))
+    view = renderer.shadow_view
+    view.forget_edges()
+    edges = measured(lambda: list(view.edges()))
     count = len(vertices.probes.points)
     return {
         "vertices": len(mesh.positions),

@@ -56,17 +56,22 @@ class SceneBuffers:
         """Bind the buffers and set the uniforms that inputs/picture/fabric.glsl and inputs/picture/lights.glsl declare."""
         self._fabric_data.bind(FABRIC_UNIT)
         self._light_data.bind(LIGHT_UNIT)
+        for name, value in self.inputs().items():
+            if name in program and not isinstance(value, TextureBuffer):
+                program[name].value = value
+
+    def inputs(self) -> dict:
+        """What inputs/picture/fabric.glsl and inputs/picture/lights.glsl read."""
         counts = [sum(t.yarn == j for t in self.fabric.tangents) for j in (0, 1)]
-        values = {
+        return {
+            "fabric_data": self._fabric_data,
+            "light_data": self._light_data,
             "tangent_count": tuple(counts),
             "sigma_mask": self.fabric.sigma,
             "gap": self.fabric.gap,
             "gaussian_count": len(self.lights.gaussians),
             "sun_count": len(self.lights.suns),
         }
-        for name, value in values.items():
-            if name in program:
-                program[name].value = value
 
     def release(self) -> None:
         self._fabric_data.release()

@@ -12,7 +12,7 @@ from ..gpu import shader
 from ..gpu.buffers import TextureBuffer
 from ..light.environment import cube_map, cube_map_of_gaussians
 from ..settings import Settings
-from ..visibility.hit_vertices import Places
+from ..visibility.hit_vertices import HitSurface, HitVertices
 from .albedo import diffuse_albedo
 
 # Directions per pass: far below llvmpipe's 65,535 loop iterations per invocation even with 32 tangents, and short
@@ -45,7 +45,7 @@ class Reference:
         self._vertex_lights: TextureBuffer | None = None
         self._irradiance_programs: dict = {}
         self._around = None
-        self._places = Places(ctx)
+        self._places = HitVertices(ctx)
         self._albedo: tuple | None = None  # of which fabric, its diffuse albedo
         self._radiance_per_irradiance = (0.0, 0.0, 0.0)
 
@@ -139,7 +139,8 @@ class Reference:
         Returns what is to be called, in this order, before the draw: the dispatches that light the vertices for a bounce.
         """
         self._mesh, self._structure, self._around = mesh, structure, around
-        self._places.prepare(mesh.mesh, mesh.mesh, around, structure.triangles)
+        surfaces = [HitSurface(mesh.mesh, mesh.mesh), *([around.hit_surface] if around else [])]
+        self._places.prepare(surfaces, structure.triangles)
         key = self._light_key, mesh, around and around.mesh
         if not self.bounces or self._lit == key:
             return []
@@ -195,7 +196,7 @@ class Reference:
         self._places.bind(program, TRACED_UNITS["corners"], TRACED_UNITS["vertices"])
         shader.set_uniforms(
             program,
-            cloth_triangles=self._places.cloth_triangles,
+            cloth_triangles=self._places.first_triangle[1],
             radiance_per_irradiance=self._radiance_per_irradiance,
             bounces=self.bounces,
         )

@@ -1,66 +1,123 @@
-"""Where rays from cloth and from what stands about it can end: all corners and vertices in one numbering, on the GPU."""
+"""Where rays between surfaces can end: the triangles and vertices of all of them in one numbering, on the GPU."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import moderngl
 import numpy as np
 
 from ..accel.triangles import Triangles, rotated_corners
 from ..geometry.mesh import Mesh
+from ..geometry.props import RINGS, SECTORS, Ground
 from ..gpu import shader
 from ..gpu.buffers import TextureBuffer
+from ..gpu.memo import Last
 from .probes import lift_off_facets
-from .solids import Around, ground_uniforms
 
-OFFSET = 0.05  # of the cloth's mean edge: how far rays that light a vertex start from it
+OFFSET = 0.05  # of a mesh's mean edge: how far rays that light a vertex start from it
 
 
-class Places:
-    """The triangles that hide light, and the vertices of what is drawn: first the cloth's, then those about it."""
+@dataclass(frozen=True, eq=False)
+class HitSurface:
+    """One surface that rays can end at.
 
-    def __init__(self, ctx):
+    Parameters
+    ----------
+    drawn, original : its mesh as it is drawn, and as it hides light; the first vertices of both are the same
+    offsets : [V] how far from its vertices rays that light them start; None: OFFSET, and off the facets of `original`
+    hiding : how many triangles of `original`, from the first on, hide light; None: all
+    ground : whose vertices are the last of `drawn`
+    """
+
+    drawn: Mesh
+    original: Mesh
+    offsets: np.ndarray | None = None
+    hiding: int | None = None
+    ground: Ground | None = None
+
+
+class HitVertices:
+    """The triangles that hide light, and the vertices of what is drawn: those of each surface after the other's.
+
+    `first_vertex` and `first_triangle` say where each surface begins, and how many there are in all.
+    """
+
+    def __init__(self, ctx: moderngl.Context):
         self._corners = TextureBuffer(ctx, 4, "r32i")
         self._vertices = TextureBuffer(ctx, 16)
-        self._of: tuple | None = None
-        self.cloth_vertices = self.cloth_triangles = self.vertex_count = 0
+        self._uploaded: Last[None] = Last()
+        self._ground: dict[str, Any] = {}
+        self.first_vertex, self.first_triangle = [0], [0]
         self.offset = 0.0  # metres, of rays from all vertices; a vertex may have more
 
-    def prepare(self, drawn: Mesh, original: Mesh, around: Around | None, triangles: Triangles) -> None:
-        """Upload what changed.
+    @property
+    def vertex_count(self) -> int:
+        """Of all surfaces."""
+        return self.first_vertex[-1]
+
+    def prepare(self, surfaces: Sequence[HitSurface], triangles: Triangles) -> None:
+        """Upload the corners and vertices where they changed.
 
         Parameters
         ----------
-        drawn, original : the cloth's mesh as it is drawn, and as it hides light; the first vertices of both are the same
-        around : what stands about it
-        triangles : what the structure was built of: the cloth's, then those of the objects
+        surfaces : in the order of their triangles in `triangles`; the offset of the first is that of all, those of the
+            others come as lifts
+        triangles : what the structure was built of
         """
-        of = drawn, around and around.mesh, triangles
-        self._around = around
-        if self._of == of:
-            return
-        corners, rows = original.triangles, _rows(drawn)
-        self.offset = OFFSET * _mean_edge(original)
-        if drawn is not original:
-            rows[:, :2, 3] = lift_off_facets(drawn, original)
-        if around is not None:
-            solid = around.mesh.triangles[: around.solid]
-            corners = np.concatenate([corners, solid + len(rows)])
-            more = _rows(around.mesh)
-            more[:, :2, 3] = around.offsets[:, None] - self.offset
-            rows = np.concatenate([rows, more])
+        meshes = tuple((surface.drawn, surface.original) for surface in surfaces)
+        self._uploaded.get(lambda: self._upload(surfaces, triangles), meshes, triangles)
+        self._ground = {"ground_first": -1}
+        for surface, end in zip(surfaces, self.first_vertex[1:], strict=True):
+            if surface.ground is not None:
+                self._ground = _ground_uniforms(surface.ground, end - 1 - RINGS * SECTORS)
+
+    def _upload(self, surfaces: Sequence[HitSurface], triangles: Triangles) -> None:
+        self.first_vertex, self.first_triangle = [0], [0]
+        all_corners, all_rows = [], []
+        for number, surface in enumerate(surfaces):
+            corners = surface.original.triangles[: surface.hiding]
+            rows = _rows(surface.drawn)
+            if surface.drawn is not surface.original:
+                rows[:, :2, 3] = lift_off_facets(surface.drawn, surface.original)
+            if surface.offsets is None:
+                offset = OFFSET * _mean_edge(surface.original)
+                self.offset = self.offset if number else offset
+                rows[:, :2, 3] += offset - self.offset
+            else:
+                self.offset = self.offset if number else 0.0
+                rows[:, :2, 3] += surface.offsets[:, None] - self.offset
+            all_corners.append(corners + self.first_vertex[-1])
+            all_rows.append(rows)
+            self.first_vertex.append(self.first_vertex[-1] + len(rows))
+            self.first_triangle.append(self.first_triangle[-1] + len(corners))
+        corners = np.concatenate(all_corners)
         self._corners.write(rotated_corners(corners, triangles.turn[: len(corners)]).astype("i4"))
-        self._vertices.write(rows)
-        self.cloth_triangles, self.cloth_vertices = len(original.triangles), len(drawn.positions)
-        self.vertex_count = len(rows)
-        self._of = of
+        self._vertices.write(np.concatenate(all_rows))
+
+    def inputs(self) -> dict[str, Any]:
+        """The corners (three texels a triangle, in the order that hits are weighted in), the vertices (three texels each:
+        position and normal, each with a lift, and tangent), and where the ground's are."""
+        return {"corner_index": self._corners, "vertex_data": self._vertices, **self._ground}
 
     def bind(self, program, corners_unit: int, vertices_unit: int) -> None:
-        """Bind the corners (three texels a triangle, in the order that hits are weighted in) and the vertices (three texels
-        each: position and normal, each with a lift, and tangent), and say where the ground's are."""
+        """As `inputs`, for a program with numbers in its GLSL."""
         self._corners.bind(corners_unit)
         self._vertices.bind(vertices_unit)
-        if self._around is not None:
-            first = self.cloth_vertices + self._around.solid_vertices
-            shader.set_uniforms(program, **ground_uniforms(self._around.objects, first))
+        shader.set_uniforms(program, **self._ground)
+
+
+def _ground_uniforms(ground: Ground, first: int) -> dict[str, Any]:
+    """The uniforms of inputs/visibility/ground_cell.glsl; `first` is the number of the ground's first vertex."""
+    return {
+        "ground_first": first,
+        "ground_middle": ground.center,
+        "ground_scale": ground.scale,
+        "ground_rings": RINGS,
+        "ground_sectors": SECTORS,
+    }
 
 
 def _rows(mesh: Mesh) -> np.ndarray:

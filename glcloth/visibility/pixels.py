@@ -5,97 +5,91 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import moderngl
 import numpy as np
 
-from ..fabric import Fabric
 from ..geometry.mesh import Mesh
 from ..gpu import shader
 from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer
-from ..gpu.scene_buffers import SceneBuffers
-from ..light.lights import Lights
-from ..settings import Shadows as Mode
+from ..gpu.memo import Last, same
+from ..gpu.programs import programs
+from ..light.lights import Lights, SphericalGaussians
+from ..settings import ShadowMode
 from ..twins.visibility import own_directions
+from .furnace import FabricSource, Furnace
+from .hit_vertices import HitVertices
+from .structure import Structure, tracing
 from .vertices import FEWEST, FLAT, NARROW, VertexVisibility, broad_number, sun_number, top_number
 
-SEEN_UNIT = 2
+# What "seen.glsl" of a program that shades may mean.
 SEEN_ALL, SEEN_PIXELS = "inputs/visibility/seen_all.glsl", "inputs/visibility/seen_pixels.glsl"
-SEEN_AROUND = "inputs/visibility/seen_around.glsl"
-TILE = 8
-FURNACE_VIEWS, FURNACE_LIGHTS = 64, 256
+SEEN_OCCLUDERS = "inputs/visibility/seen_occluders.glsl"
+TILE = 8  # pixels
 MOVING_CLASSES = 8  # of probes on cloth that moves: each traces a quarter of its 32 directions at every pose
 EDGE_RAYS = 16  # of a pixel into a narrow Gaussian, of all its samples together,
 FEWEST_EDGE_RAYS = 4  # and of each
-FEWEST_TILES = 32  # of 8 x 8 pixels, at a time
+FEWEST_TILES = 32  # at a time
 PATIENCE = 0.1  # seconds of rays from pixels between two looks at Ctrl-C
 CUT = 2.0  # mean edges by which the vertices may move in the mean from pose to pose
 
 
 @dataclass(frozen=True, eq=False)
-class Beside:
+class Occluders:
     """What hides light beside a mesh.
 
     Parameters
     ----------
     meshes : the others, but for a ground
     ground : whether there is one
-    places : in which all that rays meet is numbered
+    hit_vertices : in which all that rays meet is numbered
     """
 
     meshes: tuple[Mesh, ...]
     ground: bool
-    places: object
+    hit_vertices: HitVertices
 
 
-class Shadows:
-    """Keeps what the vertices of one mesh see, and brings it to the pixels, and the rays of the suns with it."""
+class PixelVisibility:
+    """Keeps what the vertices of one mesh see; a `PixelView` brings it to the pixels, and the rays of the suns with it."""
 
     def __init__(self, ctx: moderngl.Context, steepness: float = FLAT):
         """`steepness`: see `VertexVisibility`."""
         self.ctx = ctx
         self.vertices = VertexVisibility(ctx, steepness)
-        self._program = shader.Computes(ctx)
-        self._sun_data = TextureBuffer(ctx, 16)
-        self._meshes: tuple[Mesh, ...] = ()  # that was looked out from, and the others that hide light
-        self.follow = self.over_ground = False
-        self._beside: Beside | None = None
-        self._structure = self._lights = None
-        self._mode: Mode = "off"
-        self._sample = 0, 1
-        self._edge_data = TextureBuffer(ctx, 16)
-        self._filled: dict[GBuffer, tuple] = {}
-        self._looked: dict[GBuffer, int] = {}  # up to which tile narrow Gaussians were looked into from its pixels
-        self._furnace: tuple | None = None  # fabric, its albedo
-        self._points: tuple | None = None
+        self.furnace = Furnace(ctx)
+        self.mode: ShadowMode = "off"
+        self.bounce = True
+        self.follow = False
+        self.occluders: Occluders | None = None
+        self.structure: Structure
+        self.lights: Lights
+        self._meshes: tuple[Mesh, ...] = ()  # whose vertices were taken, and the others that hide light
 
     def follow_poses(self, follow: bool) -> None:
         """Take the next mesh with the same triangles for the next pose, or not."""
         if follow != self.follow:
             self.follow, self._meshes = follow, ()
 
-    # -- what is seen ------------------------------------------------------------------------------------------------
-
     def prepare(
         self,
-        mode: Mode,
+        mode: ShadowMode,
         mesh: Mesh,
         original: Mesh,
-        structure,
+        structure: Structure,
         lights: Lights,
         bounce: bool = True,
-        beside: Beside | None = None,
+        occluders: Occluders | None = None,
     ) -> None:
         """Choose what hides what. `mesh` is the one that is drawn, `original` what it was subdivided from, `structure`
-        what hides light: the mesh and what is `beside` it."""
-        self._mode, self._structure, self._lights, self._bounce = mode, structure, lights, bounce
-        self._others = () if beside is None else beside.meshes
-        self._beside = beside
-        self.over_ground = beside is not None and beside.ground
-        self.vertices.places = None if beside is None else beside.places
-        meshes = mesh, *self._others
-        if mode == "full" and not _same(self._meshes, meshes):
+        what hides light: the mesh and its `occluders`."""
+        self.mode, self.structure, self.lights, self.bounce = mode, structure, lights, bounce
+        self.occluders = occluders
+        self.vertices.hit_vertices = None if occluders is None else occluders.hit_vertices
+        meshes = mesh, *self.others
+        if mode == "full" and not same(self._meshes, meshes):
             if self.follow and is_next_pose(self._meshes, meshes):
                 self.vertices.move(mesh, structure)
             else:  # a cut fills at once
@@ -103,88 +97,134 @@ class Shadows:
                 self.vertices.start(mesh, structure, original, classes)
             self._meshes = meshes
 
+    @property
+    def others(self) -> tuple[Mesh, ...]:
+        """The other meshes that hide light."""
+        return () if self.occluders is None else self.occluders.meshes
+
+    @property
+    def over_ground(self) -> bool:
+        """Whether a ground hides light from below the horizon."""
+        return self.occluders is not None and self.occluders.ground
+
+    @property
+    def source(self) -> str:
+        """What "seen.glsl" means to a program that asks for these shadows."""
+        return SEEN_PIXELS if self.occluders is None or self.mode != "full" else SEEN_OCCLUDERS
+
+    # -- vertices ----------------------------------------------------------------------------------------------------
+
+    @property
+    def _sharp_lights(self) -> Lights | None:
+        """Whose narrow Gaussians get directions of their own: these would all have to be traced at every pose."""
+        return None if self.follow else self.lights
+
     def steps(self, count: int = 32, enough: int | None = None) -> Iterator[int]:
         """Trace what the vertices still lack, so many directions at a time; or only until there are `enough` of them."""
-        if self._mode == "full" and enough is not None:
+        if self.mode == "full" and enough is not None:
             while self.vertices.done < enough:
                 self.vertices.step(count)
                 self.ctx.finish()
                 yield self.vertices.done
-        elif self._mode == "full":
-            # Directions of narrow Gaussians would all have to be traced at every pose.
-            yield from self.vertices.steps(None if self.follow else self._lights, count)
+        elif self.mode == "full":
+            yield from self.vertices.steps(self._sharp_lights, count)
 
     def total(self) -> int:
         """How many steps of 32 directions there are in all, about."""
-        return -(-self.vertices.total(None if self.follow else self._lights) // 32) if self._mode == "full" else 0
+        return -(-self.vertices.total(self._sharp_lights) // 32) if self.mode == "full" else 0
 
-    def hurry(self) -> None:
+    def preview(self) -> None:
         """Trace only as much as a first impression needs."""
-        if self._mode == "full":
+        if self.mode == "full":
             while self.vertices.done < FEWEST:
                 self.vertices.step(FEWEST)
 
-    def integrate(self, method) -> None:
-        """Make the means of the vertices under the present lights; nothing when they are made. `method` None: of each
-        light alone, as a Lambertian needs them."""
-        if self._mode == "full":
-            none = np.zeros(len(self._lights.gaussians))
-            broad = None if method is None else getattr(method, "broad", none)
-            self.vertices.integrate(self._lights, broad, self.over_ground)
+    def integrate(self, broad: np.ndarray | None) -> None:
+        """Make the means of the vertices under the present lights; nothing when they are made.
 
-    def look(self, buffer: GBuffer, method, sample: tuple[int, int] = (0, 1)) -> None:
-        """Fill the layers of what the pixels of a G-buffer see, as it is drawn now; nothing when they hold just that.
-
-        `sample` is the number of the sample in the pixel, and how many there are: `edges` shares its rays among them.
+        `broad`: see `VertexVisibility.integrate`; None: of each light alone, as a Lambertian needs them.
         """
-        self._sample = sample
-        lights = self._lights
-        full = self._mode == "full"
-        count = len(lights.gaussians)
-        first = broad_number(count)
-        self._numbers = {
-            "top_number": top_number(count),
-            "broad_number": first,
-            "sun_number": first if method is None else sun_number(count),
-        }
-        sun_layer = self._numbers["sun_number"] // 4
-        self.integrate(method)
-        seen = buffer.reserve_seen(sun_layer + -(-len(lights.suns) // 4))
-        self._seen = seen
-        version = self.vertices.version if full else 0
-        state = buffer.drawn, sample, self._mode, self._structure, self._others, seen, version
-        before = self._filled.get(buffer)
-        # Lights have no truth value for ==; they are frozen, so the same object is the same light.
-        if before is not None and before[0] is lights and before[1] == state:
-            return
-        kept = {key: value for key, value in self._filled.items() if key.seen is not None}
-        self._filled = kept | {buffer: (lights, state)}
-        self._looked = {key: rows for key, rows in self._looked.items() if key in kept and key is not buffer}
-        mesh = buffer.drawn[0]
-        buffer.bind_points(None)
-        seen.bind_to_image(0, read=False, write=True)
-        program = self._program("passes/visibility/pixels.comp")
-        buffer.bind(program)
-        if full:
-            self.vertices.means.bind(9)
-        mesh.indices.bind(10)
-        self._run(program, buffer, group_count=sun_layer, everything=not full)
-        suns = lights.suns
-        if len(suns):
-            directions = np.zeros((len(suns), 4), "f4")
-            directions[:, :3] = suns.direction
-            self._sun_data.write(directions)
-            program = self._program("passes/visibility/suns.comp", {"accel.glsl": self._structure.source})
-            self._structure.bind(program)
-            self._sun_data.bind(10)
-            buffer.bind(program)
-            buffer.bind_points(program)
-            self._run(program, buffer, sun_count=len(suns), first_layer=sun_layer)
-        self.ctx.memory_barrier()
+        if self.mode == "full":
+            self.vertices.integrate(self.lights, broad, self.over_ground)
 
-    def edges(self, buffer: GBuffer, seconds: float = PATIENCE) -> Iterator[int]:
-        """Look into the narrow Gaussians again, from those pixels of a G-buffer that was looked at whose triangles' corners
-        do not agree on what they see of them. Does nothing where that is done, or poses are followed.
+    # -- how much a fabric reflects ----------------------------------------------------------------------------------
+
+    def inputs(self, fabric: FabricSource) -> dict[str, Any]:
+        """What the bounce asks of the fabric of this mesh, by its names in GLSL."""
+        if self.mode != "full" or not self.bounce:
+            return {"albedo": np.zeros(3)}
+        names: dict[str, Any] = {"albedo": self.furnace.albedo(fabric)}
+        return names if self.occluders is None else names | {"views": self.furnace.views(fabric)}
+
+
+class PixelView:
+    """What the pixels of one G-buffer see, into which one mesh is drawn, and what comes back to them."""
+
+    def __init__(self, visibility: PixelVisibility, buffer: GBuffer):
+        self.visibility, self.buffer, self.ctx = visibility, buffer, visibility.ctx
+        self.seen: moderngl.TextureArray | None = None  # four values a texel, see inputs/visibility/seen_layers.glsl
+        self._bounced: moderngl.TextureArray | None = None
+        self._resolved: Last[None] = Last()
+        self._bounce_resolved: Last[None] = Last()
+        self._sample = 0, 1
+        self._numbers: dict[str, int] = {}  # where which value is
+        self._edges_done = 0  # tiles from whose pixels rays went into the narrow Gaussians
+        self._sun_data = TextureBuffer(self.ctx, 16)
+        self._edge_data = TextureBuffer(self.ctx, 16)
+
+    def resolve(self, broad: np.ndarray | None, sample: tuple[int, int] = (0, 1)) -> None:
+        """Fill `seen` for the G-buffer as it is drawn now; nothing when it holds just that.
+
+        Parameters
+        ----------
+        broad : as for `PixelVisibility.integrate`
+        sample : the number of the sample in the pixel, and how many there are: `edges` shares its rays among them
+        """
+        visibility = self.visibility
+        lights, count = visibility.lights, len(visibility.lights.gaussians)
+        first = broad_number(count)
+        first_sun = first if broad is None else sun_number(count)
+        self._numbers = {"top_number": top_number(count), "broad_number": first, "sun_number": first_sun}
+        self._sample = sample
+        visibility.integrate(broad)
+        seen = self._reserve(first_sun // 4 + -(-len(lights.suns) // 4))
+        version = visibility.vertices.version if visibility.mode == "full" else 0
+        hidden = visibility.mode, visibility.structure, visibility.others
+        key = lights, self.buffer.drawn, sample, *hidden, seen, version
+        self._resolved.get(lambda: self._fill(seen, first_sun // 4), *key)
+
+    def _reserve(self, layers: int) -> moderngl.TextureArray:
+        """`seen` with at least so many layers; another one when it grows."""
+        if self.seen is None or self.seen.layers < layers:
+            if self.seen is not None:
+                self.seen.release()
+            self.seen = self.ctx.texture_array((*self.buffer.size, layers), 4, dtype="f1")
+            self.seen.filter = moderngl.NEAREST, moderngl.NEAREST
+        return self.seen
+
+    def _fill(self, seen: moderngl.TextureArray, sun_layer: int) -> None:
+        visibility, buffer = self.visibility, self.buffer
+        self._edges_done = 0
+        programs(self.ctx).compute("passes/visibility/pixels.comp").run(
+            buffer.size,
+            buffer.inputs(),
+            mean_data=visibility.vertices.means,
+            corner_index=buffer.drawn[0].indices,
+            seen=seen,
+            group_count=sun_layer,
+            everything=visibility.mode != "full",
+        )
+        suns = visibility.lights.suns
+        if len(suns):
+            self._sun_data.write(_texels(suns.direction))
+            program = programs(self.ctx).compute("passes/visibility/suns.comp", None, tracing(visibility.structure))
+            numbers = {"sun_count": len(suns), "first_layer": sun_layer}
+            inputs = visibility.structure.inputs(), buffer.inputs(), numbers
+            program.run(buffer.size, *inputs, sun_data=self._sun_data, seen=seen)
+
+    def edges(self, seconds: float = PATIENCE) -> Iterator[int]:
+        """Send rays into the narrow Gaussians from those pixels whose triangles' corners do not agree on what they see of
+        them, after `resolve`. Does nothing where that is done, or poses are followed.
 
         Parameters
         ----------
@@ -192,105 +232,103 @@ class Shadows:
 
         Yields how many tiles of the picture are done.
         """
-        narrow = np.flatnonzero(self._lights.gaussians.sharpness >= NARROW)
+        visibility, buffer = self.visibility, self.buffer
         width, height = (-(-side // TILE) for side in buffer.size)
-        first = self._looked.get(buffer, 0)
-        if self._mode != "full" or self.follow or not len(narrow) or first >= width * height:
+        layers, directions = edge_layers(visibility.lights.gaussians, self._sample)
+        if visibility.mode != "full" or visibility.follow or not layers or self._edges_done >= width * height:
             return
-        program = self._program("passes/visibility/narrow.comp", {"accel.glsl": self._structure.source})
-        fours = self._upload_edges(narrow, self._sample)
+        self._edge_data.write(_texels(directions.reshape(-1, 3)))
+        program = programs(self.ctx).compute("passes/visibility/narrow.comp", None, tracing(visibility.structure))
         count = FEWEST_TILES
-        while first < width * height:
+        while self._edges_done < width * height:
             begin = time.perf_counter()
-            count = min(count, width * height - first)
-            self._structure.bind(program)
-            self._seen.bind_to_image(0, read=True, write=True)
-            buffer.bind(program)
-            buffer.drawn[0].indices.bind(10)
-            self._edge_data.bind(11)
-            self.vertices.means.bind(12)
-            shader.set_uniforms(program, group_count=self.vertices.groups, first_tile=first, row_tiles=width)
-            for layer, begins, rays in fours:
-                shader.set_uniforms(program, layer=layer, begin=begins, direction_count=rays)
-                program.run(count)
-            self.ctx.memory_barrier()
+            count = min(count, width * height - self._edges_done)
+            program.bind(
+                visibility.structure.inputs(),
+                buffer.inputs(),
+                mean_data=visibility.vertices.means,
+                corner_index=buffer.drawn[0].indices,
+                direction_data=self._edge_data,
+                direction_count=directions.shape[1],
+                seen=self.seen,
+                group_count=visibility.vertices.groups,
+                first_tile=self._edges_done,
+                row_tiles=width,
+            )
+            for layer, begins in layers:
+                program.run_groups(count, layer=layer, begin=begins)
             self.ctx.finish()
-            first += count
-            self._looked[buffer] = first
+            self._edges_done += count
             faster = seconds / max(time.perf_counter() - begin, 1e-4)
             count = max(FEWEST_TILES, int(count * min(max(faster, 0.25), 4.0)))
-            yield first
+            yield self._edges_done
 
-    def forget_edges(self, buffer: GBuffer) -> None:
-        """Let the pixels of a G-buffer look into the narrow Gaussians anew."""
-        self._looked.pop(buffer, None)
+    def forget_edges(self) -> None:
+        """Let `edges` begin anew."""
+        self._edges_done = 0
 
-    def _upload_edges(self, narrow: np.ndarray, sample: tuple[int, int]) -> list[tuple]:
-        """Upload the directions of rays from pixels; returns each texel of four numbers that has narrow Gaussians, where
-        their directions begin (-1: none) and how many each has."""
-        gaussians = self._lights.gaussians
-        number, samples = sample
-        total = max(EDGE_RAYS // samples, FEWEST_EDGE_RAYS) * samples
-        # From the outside in, as the pass wants it.
-        own = np.stack([own_directions(gaussians.axis[k], gaussians.sharpness[k], total)[::-1] for k in narrow])
-        own = own[:, number::samples]
-        directions = np.zeros((own.shape[0] * own.shape[1], 4), "f4")
-        directions[:, :3] = own.reshape(-1, 3)
-        self._edge_data.write(directions)
-        begins = np.full(4 * self._seen.layers, -1)
-        begins[1 + narrow] = own.shape[1] * np.arange(len(narrow))
-        begins = begins.reshape(-1, 4)
-        return [(n, tuple(map(int, four)), own.shape[1]) for n, four in enumerate(begins) if (four >= 0).any()]
+    def resolve_bounce(self) -> None:
+        """Bring what comes back to the vertices (`Bounce.gather`) to the pixels of the G-buffer as it is drawn now."""
+        vertices, buffer = self.visibility.vertices, self.buffer
+        if self._bounced is None:
+            self._bounced = self.ctx.texture_array((*buffer.size, 2), 4, dtype="f2")
+            self._bounced.filter = moderngl.NEAREST, moderngl.NEAREST
+        names = {"mean_data": vertices.bounced, "bounced_light": self._bounced}
+        program = programs(self.ctx).compute("passes/visibility/bounce_pixels.comp")
 
-    @property
-    def source(self) -> str:
-        """What "seen.glsl" means to a program that asks for these shadows."""
-        return SEEN_PIXELS if self._beside is None or self._mode != "full" else SEEN_AROUND
+        def fill() -> None:
+            program.run(buffer.size, buffer.inputs(), names, corner_index=buffer.drawn[0].indices)
 
-    def bind_seen(self, program) -> None:
-        """Bind the values of the G-buffer that was looked at last, for a program with `sampler2DArray seen`."""
-        self._seen.use(SEEN_UNIT)
-        shader.set_uniforms(program, over_ground=self.over_ground, **self._numbers)
+        self._bounce_resolved.get(fill, buffer.drawn, vertices.bounced_version)
 
-    def bind(self, program, fabric: Fabric, shared: SceneBuffers) -> None:
-        """Bind what inputs/visibility/seen_pixels.glsl reads of the G-buffer that was looked at last."""
-        albedo = self.albedo(fabric, shared) if self._mode == "full" and self._bounce else np.zeros(3)
-        self.bind_seen(program)
-        shader.set_uniforms(program, albedo=tuple(map(float, albedo)))
+    def inputs(self, fabric: FabricSource | None = None) -> dict[str, Any]:
+        """What passes that shade these pixels read, by its names in GLSL: of inputs/visibility/lit_means.glsl, and with
+        the `fabric` of the mesh of `PixelVisibility.source`."""
+        names = {"seen": self.seen, "over_ground": self.visibility.over_ground, **self._numbers}
+        if self._bounced is not None:
+            names["bounced_light"] = self._bounced
+        return names if fabric is None else names | self.visibility.inputs(fabric)
 
-    # -- how much a fabric reflects ----------------------------------------------------------------------------------
-
-    def albedo(self, fabric: Fabric, shared: SceneBuffers) -> np.ndarray:
-        """What [3] a fabric reflects of light that comes evenly from everywhere, in the mean over all views by their
-        cosine; `shared` holds the fabric. From 64 x 256 directions, kept until the fabric changes."""
-        if self._furnace is None or self._furnace[0] is not fabric:
-            program = self._program("passes/methods/furnace.comp")
-            if self._points is None:
-                data = np.zeros((FURNACE_VIEWS + FURNACE_LIGHTS, 4), "f4")
-                data[:FURNACE_VIEWS, :3] = _cosine_directions(FURNACE_VIEWS)
-                data[FURNACE_VIEWS:, :3] = even_directions(FURNACE_LIGHTS)
-                result = self.ctx.buffer(reserve=16 * FURNACE_VIEWS)
-                self._points = TextureBuffer(self.ctx, data), result
-            shared.bind(program)
-            self._points[0].bind(9)
-            self._points[1].bind_to_storage_buffer(0)
-            shader.set_uniforms(program, view_count=FURNACE_VIEWS, light_count=FURNACE_LIGHTS)
-            program.run(-(-FURNACE_VIEWS // 64))
-            self.ctx.memory_barrier()
-            radiance = np.frombuffer(self._points[1].read(), "f4").reshape(-1, 4)[:, :3]
-            self._furnace = fabric, np.clip(radiance.mean(0), 0.0, 1.0)
-        return self._furnace[1]
-
-    # -- the machinery -----------------------------------------------------------------------------------------------
-
-    def _run(self, program, buffer: GBuffer, **uniforms) -> None:
-        shader.set_uniforms(program, **uniforms)
-        program.run(-(-buffer.size[0] // TILE), -(-buffer.size[1] // TILE))
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        for thing in (self.seen, self._bounced, self._sun_data, self._edge_data):
+            if thing is not None:
+                thing.release()
 
 
-def _same(before: tuple[Mesh, ...], meshes: tuple[Mesh, ...]) -> bool:
-    """Whether two lists are of the same meshes."""
-    return len(before) == len(meshes) and all(a is b for a, b in zip(before, meshes, strict=True))
+UNITS = {"seen": 2, "views": 14, "bounced_light": 15}
+
+
+def bind_numbered(program, inputs: dict[str, Any]) -> None:
+    """Bind the `inputs` of a view for a program with numbers in its GLSL."""
+    for name, value in inputs.items():
+        if name in UNITS:
+            value.use(UNITS[name])
+        else:
+            shader.set_uniforms(program, **{name: tuple(map(float, value)) if name == "albedo" else value})
+
+
+def edge_layers(
+    gaussians: SphericalGaussians, sample: tuple[int, int]
+) -> tuple[list[tuple[int, tuple[int, ...]]], np.ndarray]:
+    """Rays of one sample of a pixel into the narrow Gaussians.
+
+    Returns each layer of `PixelView.seen` that has values of such and where the directions of its four values begin (-1:
+    none), and the directions [N, rays, 3], those of a Gaussian from the outside in, as the pass wants it.
+    """
+    narrow = np.flatnonzero(gaussians.sharpness >= NARROW)
+    number, samples = sample
+    total = max(EDGE_RAYS // samples, FEWEST_EDGE_RAYS) * samples
+    own = [own_directions(gaussians.axis[k], gaussians.sharpness[k], total)[::-1][number::samples] for k in narrow]
+    directions = np.stack(own) if own else np.zeros((0, total // samples, 3))
+    begins = np.full(broad_number(len(gaussians)), -1)
+    begins[1 + narrow] = directions.shape[1] * np.arange(len(narrow))
+    fours = enumerate(begins.reshape(-1, 4))
+    return [(layer, tuple(map(int, four))) for layer, four in fours if (four >= 0).any()], directions
+
+
+def _texels(directions: np.ndarray) -> np.ndarray:
+    return np.pad(directions, ((0, 0), (0, 1))).astype("f4")
 
 
 def is_next_pose(before: tuple[Mesh, ...], meshes: tuple[Mesh, ...]) -> bool:
@@ -308,18 +346,3 @@ def _moved_a_little(before: Mesh, mesh: Mesh) -> bool:
     a, b = mesh.positions[mesh.triangles[:, 0]], mesh.positions[mesh.triangles[:, 1]]
     edge = np.linalg.norm(a - b, axis=1).mean()
     return bool(np.linalg.norm(mesh.positions - before.positions, axis=1).mean() < CUT * edge)
-
-
-def even_directions(count: int) -> np.ndarray:
-    """Directions [count, 3] over the upper hemisphere, even in solid angle."""
-    n = np.arange(count) + 0.5
-    z, phi = 1.0 - n / count, np.pi * (3.0 - np.sqrt(5.0)) * n
-    r = np.sqrt(1.0 - z * z)
-    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
-
-
-def _cosine_directions(count: int) -> np.ndarray:
-    """Directions [count, 3] over the upper hemisphere, even in cosine-weighted solid angle."""
-    n = np.arange(count) + 0.5
-    r, phi = np.sqrt(n / count), np.pi * (3.0 - np.sqrt(5.0)) * n
-    return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1.0 - r * r)], -1)

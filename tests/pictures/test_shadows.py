@@ -15,7 +15,8 @@ from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.methods.albedo import diffuse_albedo
 from glcloth.twins import visibility as twin
 from glcloth.twins.visibility import LEAST
-from glcloth.visibility.pixels import EDGE_RAYS, Shadows
+from glcloth.visibility.furnace import Furnace
+from glcloth.visibility.pixels import EDGE_RAYS, edge_layers
 from glcloth.visibility.probes import LONGEST_EDGE, place_probes, subdivided
 from glcloth.visibility.vertices import (
     BROAD_FLOOR,
@@ -391,7 +392,7 @@ def test_what_lies_under_a_roof_is_dark(renderer):
         assert dark < 0.1 * open_
 
 
-def test_steps_in_a_hurry_end_in_the_same_picture(renderer):
+def test_a_preview_ends_in_the_same_picture(renderer):
     mesh = wavy()
     scene = dict(fabric="silk_crepe_de_chine", mesh=mesh, lights=LIGHTS, size=(48, 36), shadows="full")
     frame = renderer.prepare(**scene)
@@ -408,7 +409,7 @@ def test_steps_in_a_hurry_end_in_the_same_picture(renderer):
     assert 0 < np.abs(first - late).mean() < 0.1 * late.mean()
 
 
-def test_pixels_look_into_narrow_gaussians_where_vertices_do_not_agree(renderer):
+def test_pixels_send_rays_into_narrow_gaussians_where_vertices_do_not_agree(renderer):
     """What pixels at the edge of a shadow see is counted by rays; what they shade is darkest in the middle of it."""
     mesh = joined(sheet(10), sheet(4, height=0.5, size=0.3))
     gaussians = SphericalGaussians([[-0.6, 0.8, 0.0], [0, 1, 0]], [600.0, 2.0], np.ones((2, 3)))
@@ -416,8 +417,7 @@ def test_pixels_look_into_narrow_gaussians_where_vertices_do_not_agree(renderer)
     frame = renderer.prepare(shadows="full", **scene)
 
     def seen():
-        buffer = renderer.gbuffer
-        layers = np.frombuffer(buffer.seen.read(), "u1").reshape(-1, 48, 48, 4)
+        layers = np.frombuffer(renderer.shadow_view.seen.read(), "u1").reshape(-1, 48, 48, 4)
         return layers[0, ..., 1] / 255.0, layers[0, ..., 2] / 255.0
 
     for _ in renderer.look(frame):
@@ -446,29 +446,26 @@ def test_pixels_look_into_narrow_gaussians_where_vertices_do_not_agree(renderer)
     assert np.array_equal(renderer.render_frame(frame), late)
 
 
-def test_samples_of_a_pixel_share_the_rays_into_narrow_gaussians(renderer):
-    shadows = Shadows(renderer.ctx)
-    shadows._lights = LIGHTS
-    shadows._seen = renderer.ctx.texture_array((1, 1, 4), 4, dtype="f1")
+def test_samples_of_a_pixel_share_the_rays_into_narrow_gaussians():
     seen = []
     for spp, each in ((1, 16), (2, 8), (8, 4)):
         for n in range(spp):
-            ((layer, begins, count),) = shadows._upload_edges(np.array([3]), (n, spp))
-            assert (layer, begins, count) == (1, (0, -1, -1, -1), each)
-            seen.append(np.frombuffer(shadows._edge_data.buffer.read(16 * count), "f4").reshape(-1, 4)[:, :3])
+            layers, directions = edge_layers(GAUSSIANS, (n, spp))
+            assert layers == [(1, (0, -1, -1, -1))] and directions.shape == (1, each, 3)
+            seen.append(directions[0])
     assert np.allclose(np.sort(seen[0], 0), np.sort(np.concatenate(seen[1:3]), 0))
     axis = GAUSSIANS.axis[3]
     assert all(np.diff(some @ axis).min() > 0 for some in seen)  # from the outside in
 
 
 def test_albedo_is_that_of_the_white_furnace(renderer):
-    shadows = Shadows(renderer.ctx)
+    furnace = Furnace(renderer.ctx)
     for name in builtin_fabrics():
         fabric = load_fabric(name)
         if not fabric.tangents:
             continue
         renderer.shared.prepare(fabric, LIGHTS)
-        assert np.allclose(shadows.albedo(fabric, renderer.shared), diffuse_albedo(fabric), rtol=0.05, atol=0.004), name
+        assert np.allclose(furnace.albedo(renderer.shared), diffuse_albedo(fabric), rtol=0.05, atol=0.004), name
 
 
 def test_adaptive_rate_sees_the_shadows(renderer):

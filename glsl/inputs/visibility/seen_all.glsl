@@ -1,5 +1,5 @@
 // Nothing hides anything: "seen.glsl" of a program without shadows.
-void look_from(ivec2 pixel) {}
+void fetch_visibility(ivec2 pixel) {}
 
 float V_number(int n) { return 1.0; }
 

@@ -2,8 +2,8 @@
 // The radiance of a fabric in a white furnace: radiance 1 from everywhere, toward a few directions.   [own]
 #include "inputs/picture/fabric.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 9) uniform samplerBuffer point_data;  // omega_o of the views, then omega_i, surface frame
-layout(std430, binding = 0) writeonly buffer Results { vec4 result[]; };
+uniform samplerBuffer point_data;  // omega_o of the views, then omega_i, surface frame
+layout(std430) writeonly buffer Results { vec4 result[]; };
 uniform int view_count;
 uniform int light_count;
 

@@ -3,8 +3,8 @@
 #include "core/math.glsl"
 #include "inputs/picture/fabric.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 9) uniform samplerBuffer point_data;  // omega_i, evenly over the hemisphere, surface frame
-layout(rgba16f, binding = 0) writeonly uniform image2DArray views;  // azimuth, cosine; radiance and x | y of its first moment
+uniform samplerBuffer point_data;  // omega_i, evenly over the hemisphere, surface frame
+layout(rgba16f) writeonly uniform image2DArray views;  // azimuth, cosine; radiance and x | y of its first moment
 uniform int light_count;
 
 void main() {

@@ -12,7 +12,7 @@ void main() {
     ivec2 pixel = min(ivec2(gl_FragCoord.xy) * pixel_stride, textureSize(frame_N, 0) - 1);
     mat3 surface_from_world = surface_from_world_at(pixel);
     vec3 omega_o = surface_from_world * omega_o_at(vec2(pixel) + 0.5);
-    look_from(pixel);
+    fetch_visibility(pixel);
     vec3 L = L_o(vec3(omega_o.xy, max(omega_o.z, 1e-4)), surface_from_world);
     color = vec4(with_bounce(L) * pass_weight, pass_cover);
 }

@@ -20,7 +20,7 @@ void main() {
     ivec2 pixel = ivec2(packed_pixel & 0xffffu, packed_pixel >> 16);
     mat3 surface_from_world = surface_from_world_at(pixel);
     vec3 omega_o = surface_from_world * omega_o_at(vec2(pixel) + 0.5);
-    look_from(pixel);
+    fetch_visibility(pixel);
     vec3 L = L_o(vec3(omega_o.xy, max(omega_o.z, 1e-4)), surface_from_world);
     imageStore(color, pixel, vec4(with_bounce(L), 1.0));
 }

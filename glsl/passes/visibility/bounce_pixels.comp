@@ -3,9 +3,9 @@
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 9) uniform samplerBuffer mean_data;      // passes/visibility/bounce_spread.comp
-layout(binding = 10) uniform isamplerBuffer corner_index;
-layout(rgba16f, binding = 0) writeonly uniform image2DArray bounced_light;  // radiance; luminance x direction, world
+uniform samplerBuffer mean_data;      // passes/visibility/bounce_spread.comp
+uniform isamplerBuffer corner_index;
+layout(rgba16f) writeonly uniform image2DArray bounced_light;  // radiance; luminance x direction, world
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

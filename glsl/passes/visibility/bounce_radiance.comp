@@ -7,10 +7,10 @@
 #include "inputs/accel/visit_any.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 10) uniform usamplerBuffer mean_data;         // passes/visibility/spread.comp
-layout(binding = 13) uniform samplerBuffer vertex_data;        // three texels a vertex: position and normal, each with a lift; tangent
-layout(binding = 14) uniform samplerBuffer reflectance_data;   // of these vertices, if `own_reflectance`
-layout(std430, binding = 0) writeonly buffer Radiance { vec4 radiance[]; };  // of a vertex front and back
+uniform usamplerBuffer mean_data;         // passes/visibility/spread.comp
+uniform samplerBuffer vertex_data;        // three texels a vertex: position and normal, each with a lift; tangent
+uniform samplerBuffer reflectance_data;   // of these vertices, if `own_reflectance`
+layout(std430) writeonly buffer Radiance { vec4 radiance[]; };  // of a vertex front and back
 uniform int first_item;   // vertex
 uniform int vertex_count; // from there on, and from the beginning of mean_data and reflectance_data
 uniform int group_count;

@@ -1,10 +1,10 @@
 #version 430
 // Mean radiance that comes back to the vertices, front and back: that of the probes about them.   [own]
 layout(local_size_x = 64) in;
-layout(binding = 9) uniform samplerBuffer sum_data;       // passes/visibility/bounce_gather.comp
-layout(binding = 10) uniform usamplerBuffer row_data;     // of a vertex: first term, the one after the last
-layout(binding = 11) uniform usamplerBuffer spread_data;  // terms: probe, weight as float
-layout(std430, binding = 0) writeonly buffer Means { vec4 means[]; };  // of a vertex front and back: radiance; luminance x direction
+uniform samplerBuffer sum_data;       // passes/visibility/bounce_gather.comp
+uniform usamplerBuffer row_data;     // of a vertex: first term, the one after the last
+uniform usamplerBuffer spread_data;  // terms: probe, weight as float
+layout(std430) writeonly buffer Means { vec4 means[]; };  // of a vertex front and back: radiance; luminance x direction
 uniform int vertex_count;
 
 void main() {

@@ -3,11 +3,11 @@
 // No rays: this runs whenever the lights change or turn. Twin: glcloth/twins/visibility.py broad_sums
 #include "trace/visibility.glsl"
 layout(local_size_x = 64) in;                           // and a row of groups for each class
-layout(binding = 9) uniform usamplerBuffer bit_data;    // passes/visibility/trace.comp
-layout(binding = 10) uniform samplerBuffer light_data;  // of the directions: D_j, how much light comes from there
-layout(binding = 11) uniform samplerBuffer probe_data;
-layout(binding = 12) uniform samplerBuffer x_data;      // yarn 1 at the probes, and the handedness
-layout(std430, binding = 0) buffer Sums { uvec4 sums[]; };  // as in passes/visibility/mean.comp
+uniform usamplerBuffer bit_data;    // passes/visibility/trace.comp
+uniform samplerBuffer light_data;  // of the directions: D_j, how much light comes from there
+uniform samplerBuffer probe_data;
+uniform samplerBuffer x_data;      // yarn 1 at the probes, and the handedness
+layout(std430) buffer Sums { uvec4 sums[]; };  // as in passes/visibility/mean.comp
 uniform int first_probe[9];  // of each class, and the one after the last
 uniform int probe_count;
 uniform int group;           // of the low band; the middle one follows

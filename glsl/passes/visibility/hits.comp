@@ -6,19 +6,19 @@
 #include "accel.glsl"
 #include "inputs/visibility/ground_cell.glsl"
 layout(local_size_x = 64) in;                               // and a row of groups for each class
-layout(binding = 10) uniform isamplerBuffer corner_index;   // three a triangle, in the order that hits are weighted in
-layout(binding = 11) uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
-layout(binding = 12) uniform samplerBuffer direction_data;  // toward the light
-layout(binding = 13) uniform samplerBuffer vertex_data;     // three texels a vertex: position, normal, tangent
-layout(std430, binding = 0) buffer Bits { uint bits[]; };   // word by word: those of all probes, one after the other
-layout(std430, binding = 1) writeonly buffer Hits { uint hits[]; };  // direction by direction: twice the vertex, 1 more for its back
+uniform isamplerBuffer corner_index;   // three a triangle, in the order that hits are weighted in
+uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
+uniform samplerBuffer direction_data;  // toward the light
+uniform samplerBuffer vertex_data;     // three texels a vertex: position, normal, tangent
+layout(std430) buffer Bits { uint bits[]; };   // word by word: those of all probes, one after the other
+layout(std430) writeonly buffer Hits { uint hits[]; };  // direction by direction: twice the vertex, 1 more for its back
 uniform int first_probe[9];  // of each class, and the one after the last
 uniform int probe_count;
 uniform int class_directions;  // how many directions each class has
 uniform int first_direction;
 uniform int last_direction;  // the one after the last
 
-uint met(Visit visit, vec3 origin, vec3 omega) {
+uint hit_vertex(Visit visit, vec3 origin, vec3 omega) {
     if (visit.triangle == NO_TRIANGLE) return 0xffffffffu;
     if (visit.triangle == GROUND) {
         vec4 w;
@@ -56,7 +56,7 @@ void main() {
         Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
         traverse(make_ray(origin, omega, 0.0, 3e38), visit);
         if (visit.triangle == NO_TRIANGLE) word |= 1u << uint(d & 31);
-        hits[d * probe_count + i] = met(visit, origin, omega);
+        hits[d * probe_count + i] = hit_vertex(visit, origin, omega);
     } while (++d < last_direction);
     bits[at] = word;
 }

@@ -3,11 +3,11 @@
 // No rays: this runs whenever the lights change or turn. Twin: glcloth/twins/visibility.py mean_visibility
 #include "trace/visibility.glsl"
 layout(local_size_x = 64) in;                            // and a row of groups for each class, a layer for each four Gaussians
-layout(binding = 9) uniform usamplerBuffer bit_data;     // passes/visibility/trace.comp
-layout(binding = 10) uniform samplerBuffer entry_data;   // what counts for the four: D_j, j; their G_kj
-layout(binding = 11) uniform samplerBuffer probe_data;
-layout(binding = 12) uniform isamplerBuffer range_data;  // of a class and four: first entry, the one after the last
-layout(std430, binding = 0) writeonly buffer Sums { uvec4 sums[]; };  // packed_sums of a probe, front and back
+uniform usamplerBuffer bit_data;     // passes/visibility/trace.comp
+uniform samplerBuffer entry_data;   // what counts for the four: D_j, j; their G_kj
+uniform samplerBuffer probe_data;
+uniform isamplerBuffer range_data;  // of a class and four: first entry, the one after the last
+layout(std430) writeonly buffer Sums { uvec4 sums[]; };  // packed_sums of a probe, front and back
 uniform int first_probe[9];  // of each class, and the one after the last
 uniform int probe_count;
 uniform int group_count;

@@ -6,10 +6,10 @@
 #include "inputs/accel/visit_any.glsl"
 #include "accel.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 12) uniform usamplerBuffer mean_data;    // passes/visibility/spread.comp
-layout(binding = 10) uniform isamplerBuffer corner_index;
-layout(binding = 11) uniform samplerBuffer direction_data;  // equal shares of each Gaussian
-layout(rgba8, binding = 0) uniform image2DArray seen;
+uniform usamplerBuffer mean_data;    // passes/visibility/spread.comp
+uniform isamplerBuffer corner_index;
+uniform samplerBuffer direction_data;  // equal shares of each Gaussian
+layout(rgba8) uniform image2DArray seen;
 uniform int group_count;     // of mean_data
 uniform int layer;           // of `seen`, and group of mean_data
 uniform ivec4 begin;         // of each Gaussian's directions; below 0: none

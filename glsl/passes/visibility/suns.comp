@@ -6,8 +6,8 @@
 #include "inputs/accel/visit_any.glsl"
 #include "accel.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 10) uniform samplerBuffer sun_data;  // toward each sun
-layout(rgba8, binding = 0) writeonly uniform image2DArray seen;
+uniform samplerBuffer sun_data;  // toward each sun
+layout(rgba8) writeonly uniform image2DArray seen;
 uniform int sun_count;    // at least 1
 uniform int first_layer;
 

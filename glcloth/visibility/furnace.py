@@ -1,0 +1,88 @@
+"""What a fabric gives back of light that comes evenly from everywhere: its share in a bounce.   [own, docs/shadows.md]"""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import moderngl
+import numpy as np
+
+from ..fabric import Fabric
+from ..gpu.buffers import Buffer, TextureBuffer
+from ..gpu.memo import Last
+from ..gpu.programs import programs
+
+ALBEDO_VIEWS, ALBEDO_LIGHTS = 64, 256  # directions
+VIEWS = 24, 12  # azimuths and cosines of a viewer
+LIGHTS = 1536  # directions, for each of these
+
+
+class FabricSource(Protocol):
+    """A fabric on the GPU, as inputs/picture/fabric.glsl reads it."""
+
+    @property
+    def fabric(self) -> Fabric | None: ...
+
+    def inputs(self) -> dict[str, Any]: ...
+
+
+class Furnace:
+    """Keeps what was found of the last fabric."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self._albedo: Last[np.ndarray] = Last()
+        self._views: Last[moderngl.TextureArray] = Last()
+        self._directions: Last[TextureBuffer] = Last()  # of `albedo`
+        self._lights: Last[TextureBuffer] = Last()  # of `views`
+
+    def albedo(self, source: FabricSource) -> np.ndarray:
+        """The reflected share [3] of light that comes evenly from everywhere, in the mean over all views by their cosine."""
+        return self._albedo.get(lambda: self._measure_albedo(source), source.fabric)
+
+    def _measure_albedo(self, source: FabricSource) -> np.ndarray:
+        directions = (_cosine_directions(ALBEDO_VIEWS), even_directions(ALBEDO_LIGHTS))
+        points = self._directions.get(lambda: _texels(self.ctx, *directions))
+        results = Buffer(self.ctx, 16 * ALBEDO_VIEWS)
+        counts = {"view_count": ALBEDO_VIEWS, "light_count": ALBEDO_LIGHTS}
+        program = programs(self.ctx).compute("passes/methods/furnace.comp")
+        program.run(ALBEDO_VIEWS, source.inputs(), counts, point_data=points, Results=results)
+        radiance = np.frombuffer(results.read(), "f4").reshape(-1, 4)[:, :3]
+        results.release()
+        return np.clip(radiance.mean(0), 0.0, 1.0)
+
+    def views(self, source: FabricSource) -> moderngl.TextureArray:
+        """The radiance toward each viewer, and how much that follows the light's direction, as
+        inputs/visibility/seen_occluders.glsl reads them."""
+        return self._views.get(lambda: self._measure_views(source), source.fabric)
+
+    def _measure_views(self, source: FabricSource) -> moderngl.TextureArray:
+        points = self._lights.get(lambda: _texels(self.ctx, even_directions(LIGHTS)))
+        texture = self._views.value
+        if texture is None:
+            texture = self.ctx.texture_array((*VIEWS, 2), 4, dtype="f2")
+            texture.filter = moderngl.LINEAR, moderngl.LINEAR
+            texture.repeat_x, texture.repeat_y = True, False
+        program = programs(self.ctx).compute("passes/methods/furnace_views.comp")
+        program.run(VIEWS, source.inputs(), point_data=points, views=texture, light_count=LIGHTS)
+        return texture
+
+
+def _texels(ctx: moderngl.Context, *directions: np.ndarray) -> TextureBuffer:
+    rows = np.concatenate(directions)
+    return TextureBuffer(ctx, np.pad(rows, ((0, 0), (0, 1))).astype("f4"))
+
+
+def even_directions(count: int) -> np.ndarray:
+    """Directions [count, 3] over the upper hemisphere, even in solid angle."""
+    n = np.arange(count) + 0.5
+    z, phi = 1.0 - n / count, np.pi * (3.0 - np.sqrt(5.0)) * n
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+
+
+def _cosine_directions(count: int) -> np.ndarray:
+    """Directions [count, 3] over the upper hemisphere, even in cosine-weighted solid angle."""
+    n = np.arange(count) + 0.5
+    r, phi = np.sqrt(n / count), np.pi * (3.0 - np.sqrt(5.0)) * n
+    return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1.0 - r * r)], -1)
