@@ -27,10 +27,6 @@ class OverGround:
         """What inputs/accel/lbvh_ground.glsl reads."""
         return self.structure.inputs() | {"ground_height": self.height}
 
-    def inputs(self) -> dict:
-        """What inputs/accel/lbvh_ground.glsl reads."""
-        return self.structure.inputs() | {"ground_height": self.height}
-
     def bind(self, program) -> None:
         """Bind what inputs/accel/lbvh_ground.glsl reads, for programs of before."""
         self.structure.bind(program)

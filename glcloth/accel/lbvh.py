@@ -115,10 +115,6 @@ class Lbvh:
         """What inputs/accel/lbvh.glsl reads."""
         return {name: self._buffers[name] for name in ("bvh_nodes", "leaf_corners")}
 
-    def inputs(self) -> dict:
-        """What inputs/accel/lbvh.glsl reads."""
-        return {name: self._buffers[name] for name in ("bvh_nodes", "leaf_corners")}
-
     def bind(self, program) -> None:
         """Bind what inputs/accel/lbvh.glsl reads, for programs of before."""
         self._buffers["bvh_nodes"].bind(8)

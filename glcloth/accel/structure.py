@@ -70,3 +70,8 @@ def make_structure(ctx: moderngl.Context, name: str) -> Structure:
     if name not in STRUCTURES:
         raise InputError(f"accelerator {name!r}: expected one of {', '.join(STRUCTURES)}")
     return STRUCTURES[name](ctx)
+
+
+def tracing(structure: Structure) -> dict[str, str]:
+    """The virtual includes of a pass that casts rays through a structure and counts nothing."""
+    return {"accel.glsl": structure.source, "count.glsl": "inputs/accel/count_none.glsl"}

@@ -140,8 +140,8 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
 def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:
     """What the shadows of a frame cost beside its pixels: placing and tracing once a pose, the means whenever the lights
     turn (median of `times`), rays from the pixels once a view."""
-    vertices = renderer.shadows.vertices
-    mesh, structure = renderer.drawn_mesh(frame), renderer.occluders(frame.mesh)
+    cloth = renderer.stage.cloths[0]
+    vertices, mesh, structure = cloth.visibility.vertices, cloth.mesh, renderer.stage.occluders(frame)
 
     def measured(work) -> tuple[float, float]:
         renderer.ctx.finish()
@@ -193,11 +193,11 @@ def moving_cloth(renderer: Renderer, frame: Frame, times: int) -> dict:
         for name, (one, still) in shows.items():
             renderer.ctx.finish()
             begin, begin_cpu = time.perf_counter(), time.process_time()
-            one.draw(replace(still, mesh=pose))
+            one.draw(still.with_cloth(mesh=pose))
             renderer.ctx.finish()
             spent[name].append((1000 * (time.perf_counter() - begin), 1000 * (time.process_time() - begin_cpu)))
     followed = shows[""][0].gbuffer.read()
-    renderer.draw(replace(frame, mesh=pose))
+    renderer.draw(frame.with_cloth(mesh=pose))
     anew = renderer.gbuffer.read()
     covered = anew[..., 3] > 0
     a, b = (luminance(picture[covered][:, :3]) for picture in (followed, anew))

@@ -183,7 +183,6 @@ class Compute(Program):
         self.linked.run(*map(int, groups))
         self.ctx.memory_barrier()
 
-
     def run_indirect(self, arguments: Buffer, *inputs: Inputs, **own: Any) -> None:
         """As `run_groups`, for as many work groups as the first three numbers of a buffer on the GPU say."""
         self.bind(*inputs, **own)

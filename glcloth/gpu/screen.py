@@ -39,9 +39,7 @@ def draw_screen(
     target.use()
     target.viewport = (0, 0, target.width, target.height)
     target.depth_mask = depth in ("nearest", "written")
-    ctx.enable_only(
-        (0 if depth == "ignored" else moderngl.DEPTH_TEST) | (0 if blend == "replace" else moderngl.BLEND)
-    )
+    ctx.enable_only((0 if depth == "ignored" else moderngl.DEPTH_TEST) | (0 if blend == "replace" else moderngl.BLEND))
     ctx.blend_func = (moderngl.ONE, moderngl.ONE) if blend == "add" else (moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE)
     ctx.depth_func = _DEPTH_FUNC.get(depth, "<")
     program.screen.render(moderngl.TRIANGLES, vertices=3)

@@ -119,9 +119,7 @@ class Frames:
             lights = self._loaded(load_lights, scene.lights)
         else:
             lights = self._fit.get(lambda: fit_lights(environment, scene.lobes), environment, scene.lobes)
-        return self._rotated.get(
-            lambda: lights.rotated(rotation_y(scene.env_rotate)), lights, float(scene.env_rotate)
-        )
+        return self._rotated.get(lambda: lights.rotated(rotation_y(scene.env_rotate)), lights, float(scene.env_rotate))
 
     def _arranged(self, scene: Scene, mesh: Mesh) -> Objects | None:
         """The objects and the ground of a scene, the same ones as long as nothing about them changes."""

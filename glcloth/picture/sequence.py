@@ -17,7 +17,8 @@ from ..geometry.mesh import Mesh
 from ..geometry.props import Objects
 from ..image import check_output, write_image
 from ..light.environment import rotation_y
-from .renderer import Frame, Renderer
+from .frame import Frame
+from .renderer import Renderer
 
 VIDEO = (".mp4",)
 NUMBER = re.compile(r"%0?(\d*)d")
@@ -68,7 +69,7 @@ def moving(
     renderer.follow_poses(poses is not None)
     # Turns of four poses, of which each looks into its own directions.
     for i in range(max(0, start // POSES - 1) * POSES if poses is not None else start, start):
-        for _ in renderer.look(at(i)):
+        for _ in renderer.trace_visibility(at(i)):
             pass
     for i in range(start, count):
         yield renderer.render_frame(at(i))

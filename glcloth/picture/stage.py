@@ -137,4 +137,3 @@ class Stage:
         for part in parts:
             part.view.resolve_bounce()
         yield from pace.pause(self.ctx)
-

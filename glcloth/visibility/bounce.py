@@ -11,13 +11,13 @@ from typing import Any, Protocol
 import moderngl
 import numpy as np
 
+from ..accel.structure import tracing
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import same
 from ..gpu.programs import programs
 from .hit_vertices import HitVertices
 from .irradiance import irradiance_table
 from .pixels import PixelVisibility
-from .structure import tracing
 
 
 class LightSource(Protocol):

@@ -12,7 +12,6 @@ import numpy as np
 from ..accel.triangles import Triangles, rotated_corners
 from ..geometry.mesh import Mesh
 from ..geometry.props import RINGS, SECTORS, Ground
-from ..gpu import shader
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import Last
 from .probes import lift_off_facets
@@ -83,7 +82,7 @@ class HitVertices:
             if surface.drawn is not surface.original:
                 rows[:, :2, 3] = lift_off_facets(surface.drawn, surface.original)
             if surface.offsets is None:
-                offset = OFFSET * _mean_edge(surface.original)
+                offset = OFFSET * mean_edge(surface.original)
                 self.offset = self.offset if number else offset
                 rows[:, :2, 3] += offset - self.offset
             else:
@@ -101,12 +100,6 @@ class HitVertices:
         """The corners (three texels a triangle, in the order that hits are weighted in), the vertices (three texels each:
         position and normal, each with a lift, and tangent), and where the ground's are."""
         return {"corner_index": self._corners, "vertex_data": self._vertices, **self._ground}
-
-    def bind(self, program, corners_unit: int, vertices_unit: int) -> None:
-        """As `inputs`, for a program with numbers in its GLSL."""
-        self._corners.bind(corners_unit)
-        self._vertices.bind(vertices_unit)
-        shader.set_uniforms(program, **self._ground)
 
 
 def _ground_uniforms(ground: Ground, first: int) -> dict[str, Any]:
@@ -127,6 +120,7 @@ def _rows(mesh: Mesh) -> np.ndarray:
     return rows
 
 
-def _mean_edge(mesh: Mesh) -> float:
+def mean_edge(mesh: Mesh) -> float:
+    """Metres, over all triangles."""
     corners = mesh.positions[mesh.triangles].astype(float)
     return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())

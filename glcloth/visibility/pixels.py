@@ -10,8 +10,8 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from ..accel.structure import Structure, tracing
 from ..geometry.mesh import Mesh
-from ..gpu import shader
 from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer
 from ..gpu.memo import Last, same
@@ -21,7 +21,6 @@ from ..settings import ShadowMode
 from ..twins.visibility import own_directions
 from .furnace import FabricSource, Furnace
 from .hit_vertices import HitVertices
-from .structure import Structure, tracing
 from .vertices import FEWEST, FLAT, NARROW, VertexVisibility, broad_number, sun_number, top_number
 
 # What "seen.glsl" of a program that shades may mean.
@@ -209,7 +208,7 @@ class PixelView:
             buffer.size,
             buffer.inputs(),
             mean_data=visibility.vertices.means,
-            corner_index=buffer.drawn[0].indices,
+            corner_index=buffer.drawn.mesh.indices,
             seen=seen,
             group_count=sun_layer,
             everything=visibility.mode != "full",
@@ -247,7 +246,7 @@ class PixelView:
                 visibility.structure.inputs(),
                 buffer.inputs(),
                 mean_data=visibility.vertices.means,
-                corner_index=buffer.drawn[0].indices,
+                corner_index=buffer.drawn.mesh.indices,
                 direction_data=self._edge_data,
                 direction_count=directions.shape[1],
                 seen=self.seen,
@@ -277,7 +276,7 @@ class PixelView:
         program = programs(self.ctx).compute("passes/visibility/bounce_pixels.comp")
 
         def fill() -> None:
-            program.run(buffer.size, buffer.inputs(), names, corner_index=buffer.drawn[0].indices)
+            program.run(buffer.size, buffer.inputs(), names, corner_index=buffer.drawn.mesh.indices)
 
         self._bounce_resolved.get(fill, buffer.drawn, vertices.bounced_version)
 
@@ -294,18 +293,6 @@ class PixelView:
         for thing in (self.seen, self._bounced, self._sun_data, self._edge_data):
             if thing is not None:
                 thing.release()
-
-
-UNITS = {"seen": 2, "views": 14, "bounced_light": 15}
-
-
-def bind_numbered(program, inputs: dict[str, Any]) -> None:
-    """Bind the `inputs` of a view for a program with numbers in its GLSL."""
-    for name, value in inputs.items():
-        if name in UNITS:
-            value.use(UNITS[name])
-        else:
-            shader.set_uniforms(program, **{name: tuple(map(float, value)) if name == "albedo" else value})
 
 
 def edge_layers(

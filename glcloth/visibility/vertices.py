@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from ..accel.queries import RayQueries
+from ..accel.structure import Structure, tracing
 from ..color import luminance
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import TextureBuffer
@@ -18,7 +19,6 @@ from ..light.lights import Lights, SphericalGaussians
 from ..twins.visibility import LEAST, gaussian_table, own_directions, world_directions
 from .hit_vertices import HitVertices
 from .probes import Probes, place_probes
-from .structure import Structure, tracing
 
 DIRECTIONS = 256
 WORD = 32

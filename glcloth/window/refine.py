@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 import moderngl
 
 from ..gpu import shader
-from ..picture.renderer import Frame, Renderer
+from ..picture.frame import Frame
+from ..picture.renderer import Renderer
 from ..visibility.vertices import FEWEST
 from .slices import BUDGET, Slices
 
@@ -120,7 +121,7 @@ class Refiner(Slices):
 
         last = time.perf_counter()
         spent = shading = 0.0
-        for _ in self.renderer.steps(small, rows, hurry=True):
+        for _ in self.renderer.steps(small, rows, preview=True):
             now = time.perf_counter()
             spent, shading = spent + now - last, shading + (0.0 if placing else now - last)
             yield False
@@ -155,7 +156,7 @@ class Refiner(Slices):
         """Trace what the shadows of these frames lack, or only the directions that a first impression needs."""
         for frame in frames:
             last = time.perf_counter()
-            for _ in self.renderer.look(frame, self._directions, enough):
+            for _ in self.renderer.trace_visibility(frame, self._directions, enough):
                 now = time.perf_counter()
                 share = SLICE / max(now - last, 1e-4)
                 self._directions = max(1, min(32, round(self._directions * min(share, 2.0))))
@@ -187,7 +188,7 @@ class Refiner(Slices):
         final = stage == "full"
         done = total = rows_done = 0
         # What the pixels see of narrow lights is not waited for but at the end.
-        for done, total in self.renderer.steps(frame, rows, hurry=not final):
+        for done, total in self.renderer.steps(frame, rows, preview=not final):
             now = time.perf_counter()
             shaded = min(wanted[0], frame.scene.size[1])
             wanted[0] = 0
@@ -226,7 +227,7 @@ class Refiner(Slices):
         gain = (spp / samples if samples else float(spp)) if partial else 1.0
         source.color.use(FINAL_UNIT)
         base.use(BASE_UNIT)
-        source.frame_N.use(COVER_UNIT)
+        source.frame("frame_N").use(COVER_UNIT)
         shader.set_uniforms(self._copy, gain=gain, mode=0 if not partial else 1 if samples else 2)
         framebuffer.use()
         self.ctx.enable_only(moderngl.NOTHING)

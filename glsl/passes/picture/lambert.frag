@@ -4,7 +4,6 @@
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 #include "lit.glsl"
-layout(binding = 5) uniform sampler2D cloth_N;                  // frame_N of the cloth, which hides the objects behind it
 #include "inputs/visibility/reflectance.glsl"
 uniform float pass_weight;    // share of this sample in the pixel
 uniform float pass_cover;     // what this pass adds to the pixel's coverage
@@ -12,8 +11,7 @@ out vec4 color;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 N = texelFetch(frame_N, pixel, 0);
-    if (N.w == 0.0 || texelFetch(cloth_N, pixel, 0).w != 0.0) discard;
-    vec3 L = texelFetch(reflectance_data, triangle_at(pixel)).rgb / PI * irradiance(pixel, N.xyz);
+    vec3 N = texelFetch(frame_N, pixel, 0).xyz;
+    vec3 L = texelFetch(reflectance_data, triangle_at(pixel)).rgb / PI * irradiance(pixel, N);
     color = vec4(L * pass_weight, pass_cover);
 }

@@ -1,0 +1,137 @@
+"""Surfaces: a second cloth of another fabric is one more of them; each pixel belongs to the nearest."""
+
+import numpy as np
+import pytest
+
+from glcloth.color import luminance
+from glcloth.fabric import load_fabric
+from glcloth.geometry.camera import Camera
+from glcloth.geometry.mesh import load_mesh
+from glcloth.geometry.props import Objects, stand_on
+from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.picture.frame import Cloth
+
+SIZE = (96, 64)
+CAMERA = Camera((0.3, 0.8, 3.0), (0.0, 0.0, 0.0), fov_deg=50.0)
+LIGHTS = Lights(
+    SphericalGaussians(
+        np.array([[0.3, 0.9, 0.3], [-0.8, 0.5, 0.33]])
+        / np.linalg.norm([[0.3, 0.9, 0.3], [-0.8, 0.5, 0.33]], axis=1)[:, None],
+        np.array([3.0, 60.0]),
+        np.array([[1.0, 0.9, 0.8], [3.0, 3.0, 4.0]]),
+    ),
+    Suns(np.array([[0.0, 0.6, 0.8]]), np.array([[2.0, 1.8, 1.5]])),
+)
+LINEN, SATIN = "linen", "satin_charmeuse_front"
+
+
+def moved(mesh, offset):
+    from dataclasses import replace
+
+    return replace(mesh, positions=mesh.positions + np.asarray(offset), name=f"{mesh.name} {offset}")
+
+
+@pytest.fixture(scope="module")
+def meshes():
+    sphere = load_mesh("sphere")
+    return moved(sphere, (-0.45, 0.0, 0.0)), moved(sphere, (0.45, 0.0, -0.5))
+
+
+def picture(renderer, cloths, **changes):
+    """The picture [H, W, 4] of some cloths under LIGHTS."""
+    changes = {"method": "direct", "shadows": "off", **changes}
+    return renderer.render(
+        cloths=cloths, lights=LIGHTS, camera=CAMERA, size=SIZE, env="studio", background=False, **changes
+    ).copy()
+
+
+def cloth(mesh, fabric):
+    return Cloth(mesh, load_fabric(fabric))
+
+
+@pytest.mark.parametrize("method", ["direct", "paper", "reference"])
+def test_two_cloths_are_each_as_if_alone_where_they_are_seen(renderer, meshes, method):
+    """Without shadows nothing else can change: to the bit."""
+    changes = {"method": method, "cube": 6, "grid": 12}
+    first, second = cloth(meshes[0], LINEN), cloth(meshes[1], SATIN)
+    alone = [picture(renderer, [one], **changes) for one in (first, second)]
+    both = picture(renderer, [first, second], **changes)
+    assert np.array_equal(both[..., 3] > 0, (alone[0][..., 3] > 0) | (alone[1][..., 3] > 0))
+    from_first, from_second = (np.all(both == one, axis=-1) & (one[..., 3] > 0) for one in alone)
+    assert np.all((from_first | from_second)[both[..., 3] > 0])
+    # The first stands before the second.
+    overlap = (alone[0][..., 3] > 0) & (alone[1][..., 3] > 0)
+    assert overlap.sum() > 50 and np.all(from_first[overlap])
+    assert (from_second & ~from_first).sum() > 300 and (from_first & ~from_second).sum() > 300
+
+
+def test_their_order_does_not_matter_where_nothing_hides_light(renderer, meshes):
+    first, second = cloth(meshes[0], LINEN), cloth(meshes[1], SATIN)
+    assert np.array_equal(picture(renderer, [first, second]), picture(renderer, [second, first]))
+
+
+def test_crossing_cloths_are_cut_at_each_other(renderer):
+    sphere = load_mesh("sphere")
+    first, second = cloth(sphere, LINEN), cloth(moved(sphere, (0.5, 0.0, 0.0)), SATIN)
+    both = picture(renderer, [first, second])
+    alone = [picture(renderer, [one]) for one in (first, second)]
+    of_first = np.all(both == alone[0], axis=-1) & (both[..., 3] > 0)
+    of_second = np.all(both == alone[1], axis=-1) & (both[..., 3] > 0)
+    assert np.all((of_first | of_second)[both[..., 3] > 0]) and of_first.sum() > 300 and of_second.sum() > 300
+
+
+def test_one_cloth_casts_its_shadow_on_another(renderer, meshes):
+    """The sun stands behind the camera; a cloth in its way darkens the other one, and only there."""
+    behind = moved(meshes[1], (-0.45, 0.0, -0.8))
+    first, second = cloth(load_mesh("sphere"), LINEN), cloth(behind, SATIN)
+    changes = {"shadows": "full", "bounce": False}
+    alone, both = picture(renderer, [second], **changes), picture(renderer, [first, second], **changes)
+    front = picture(renderer, [first], **changes)
+    seen = (front[..., 3] == 0) & (both[..., 3] > 0)
+    a, b = luminance(alone[..., :3])[seen], luminance(both[..., :3])[seen]
+    assert seen.sum() > 30
+    assert b.sum() < 0.97 * a.sum()
+    assert b.max() <= 1.1 * a.max()
+
+
+def test_light_goes_from_one_cloth_to_another(renderer, meshes):
+    """A red cloth beside a white one reddens it; without the bounce it does not."""
+    white = load_fabric(LINEN)
+    red = white.changed(yarn=tuple(yarn.changed(albedo=(0.9, 0.02, 0.02)) for yarn in white.yarn))
+    near = moved(meshes[0], (0.0, 0.0, 0.0)), moved(load_mesh("sphere"), (1.6, 0.0, 0.0))
+
+    def redness(other, bounce):
+        shown = picture(renderer, [Cloth(near[0], white), Cloth(near[1], other)], shadows="full", bounce=bounce)
+        mine = renderer.gbuffer.covered()
+        return shown[mine][:, 0].sum() / shown[mine][:, 2].sum()
+
+    assert redness(red, True) > 1.004 * redness(white, True)
+    assert redness(red, False) == pytest.approx(redness(white, False), rel=1e-6)
+
+
+def test_two_cloths_stand_on_a_ground(renderer, meshes):
+    ground = Objects((), (), stand_on(meshes[0], [], None, (0.3, 0.3, 0.3)))
+    cloths = [cloth(meshes[0], LINEN), cloth(meshes[1], SATIN)]
+    for method in ("direct", "reference"):
+        shown = picture(renderer, cloths, method=method, cube=6, shadows="full", objects=ground)
+        assert np.isfinite(shown).all() and (shown[..., 3] > 0).mean() > 0.5
+        assert renderer.covered_pixels() > 1000
+
+
+def test_samples_and_adaptive_rate_with_two_cloths(renderer, meshes):
+    cloths = [cloth(meshes[0], LINEN), cloth(meshes[1], SATIN)]
+    full = picture(renderer, cloths)
+    adaptive = picture(renderer, cloths, adaptive=True)
+    assert np.array_equal(full[..., 3], adaptive[..., 3])
+    assert (
+        np.abs(luminance(adaptive[..., :3]) - luminance(full[..., :3])).mean() < 0.01 * luminance(full[..., :3]).mean()
+    )
+    several = picture(renderer, cloths, spp=4)
+    assert several[..., 3].max() == pytest.approx(1.0, abs=1e-6)
+
+
+def test_a_cloth_alone_is_the_same_to_the_bit_after_two(renderer, meshes):
+    first, second = cloth(meshes[0], LINEN), cloth(meshes[1], SATIN)
+    before = picture(renderer, [first], shadows="full")
+    picture(renderer, [first, second], shadows="full")
+    assert np.array_equal(picture(renderer, [first], shadows="full"), before)
