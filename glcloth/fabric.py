@@ -220,8 +220,16 @@ class Fabric(_Value):
                 rows.append((self.yarn[yarn].area * count, float(count)))
         return np.array(rows)
 
-    def arrays(self) -> tuple:
-        """(yarns, tangents, weights, gap, sigma) as the functions of glcloth.twins take them."""
+    def numerators(self, part: int | None = None) -> np.ndarray:
+        """The factors [tangents] in the sum over tangents; `part`: that of one tangent, the others are 0.
+
+        W's normaliser keeps all tangents, so the radiances of all parts add up to that of the fabric.
+        """
+        numerators = self.weights[:, 0]
+        return numerators if part is None else np.where(np.arange(len(numerators)) == part, numerators, 0.0)
+
+    def arrays(self, part: int | None = None) -> tuple:
+        """(yarns, tangents, weights, gap, sigma) as the functions of glcloth.twins take them; `part` as in `numerators`."""
         yarns = [
             {
                 "A": np.array(y.albedo),
@@ -232,7 +240,8 @@ class Fabric(_Value):
             }
             for y in self.yarn
         ]
-        return yarns, [tuple(t) for t in self.tangents], self.weights, self.gap, self.sigma
+        weights = np.column_stack([self.numerators(part), self.weights[:, 1]])
+        return yarns, [tuple(t) for t in self.tangents], weights, self.gap, self.sigma
 
 
 def builtin_fabrics() -> list[str]:

@@ -138,7 +138,9 @@ class Program:
 def _set(uniform, kind: str, value: Any) -> None:
     if isinstance(value, np.ndarray):
         value = value.swapaxes(-1, -2) if kind.startswith("mat") else value
-        uniform.write(np.ascontiguousarray(value, _dtype(kind)).tobytes())
+        data = np.ascontiguousarray(value, _dtype(kind)).tobytes()
+        # A driver may keep fewer elements of an array than its text declares.
+        uniform.write(data[: 4 * uniform.dimension * uniform.array_length])
     else:
         uniform.value = value
 

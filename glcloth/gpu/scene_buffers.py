@@ -2,20 +2,35 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+import moderngl
 import numpy as np
 
 from ..errors import InputError
 from ..fabric import Fabric
 from ..light.lights import Lights
 from .buffers import TextureBuffer
-from .fabric_buffer import FABRIC_UNIT, fabric_records
 from .layout import constant, struct
+from .memo import Last
 
-LIGHT_UNIT = 1
+
+def fabric_records(fabric: Fabric, part: int | None = None) -> bytes:
+    """Two Yarns, then the Tangents in the order of `fabric.tangents` (those of yarn 0 first); `part` as in SceneBuffers."""
+    yarns = np.zeros(2, struct("Yarn"))
+    for record, yarn in zip(yarns, fabric.yarn, strict=True):
+        record["A"] = yarn.albedo
+        record["eta"], record["k_d"], record["a"] = yarn.eta, yarn.k_d, yarn.area
+        record["gamma_s"], record["gamma_v"] = np.radians([yarn.gamma_s_deg, yarn.gamma_v_deg])
+    tangents = np.zeros(len(fabric.tangents), struct("Tangent"))
+    tilt = np.array([t.tilt for t in fabric.tangents])
+    tangents["cos_tilt"], tangents["sin_tilt"] = np.cos(tilt), np.sin(tilt)
+    tangents["weight"], tangents["share"] = fabric.numerators(part), fabric.weights[:, 1]
+    return yarns.tobytes() + tangents.tobytes()
 
 
 def light_records(lights: Lights) -> bytes:
-    """MAX_LOBES Gaussians (the unused ones zero), then the Suns."""
+    """MAX_LOBES Gaussians (the unused ones zero), then the Suns. Raises InputError for too many of either."""
     lobes, suns = int(constant("MAX_LOBES")), int(constant("MAX_SUNS"))
     if len(lights.gaussians) > lobes:
         raise InputError(f"{len(lights.gaussians)} spherical Gaussians, expected at most {lobes}; fit fewer lobes")
@@ -35,44 +50,47 @@ def light_records(lights: Lights) -> bytes:
 
 
 class SceneBuffers:
-    """Uploads fabric and lights when they change, and binds them for any program that reads them."""
+    """Uploads a fabric and lights when they change, for programs with inputs/picture/fabric.glsl and lights.glsl."""
 
-    def __init__(self, ctx):
+    def __init__(self, ctx: moderngl.Context):
         self._fabric_data = TextureBuffer(ctx, 16 * (4 + int(constant("MAX_TANGENTS"))))
         self._light_data = TextureBuffer(ctx, 32 * (int(constant("MAX_LOBES")) + int(constant("MAX_SUNS"))))
-        self.fabric: Fabric | None = None
-        self.lights: Lights | None = None
+        self._fabric: Last[dict[str, Any]] = Last()
+        self._lights: Last[dict[str, Any]] = Last()
 
-    def prepare(self, fabric: Fabric, lights: Lights) -> None:
-        """Upload what differs from the last call. Raises InputError for too many lobes or suns."""
-        if fabric is not self.fabric:
-            self._fabric_data.write(fabric_records(fabric))
-            self.fabric = fabric
-        if lights is not self.lights:
-            self._light_data.write(light_records(lights))
-            self.lights = lights
+    def prepare(self, fabric: Fabric, lights: Lights | None = None, part: int | None = None) -> None:
+        """Upload what differs from the last call. Raises InputError for too many lobes or suns.
 
-    def bind(self, program) -> None:
-        """Bind the buffers and set the uniforms that inputs/picture/fabric.glsl and inputs/picture/lights.glsl declare."""
-        self._fabric_data.bind(FABRIC_UNIT)
-        self._light_data.bind(LIGHT_UNIT)
-        for name, value in self.inputs().items():
-            if name in program and not isinstance(value, TextureBuffer):
-                program[name].value = value
+        Parameters
+        ----------
+        lights : None: those of the last call stay
+        part : number of a tangent: of the sum over tangents only its term is left
+        """
+        self._fabric.get(lambda: self._upload_fabric(fabric, part), fabric, part)
+        if lights is not None:
+            self._lights.get(lambda: self._upload_lights(lights), lights)
 
-    def inputs(self) -> dict:
-        """What inputs/picture/fabric.glsl and inputs/picture/lights.glsl read."""
-        counts = [sum(t.yarn == j for t in self.fabric.tangents) for j in (0, 1)]
-        return {
-            "fabric_data": self._fabric_data,
-            "light_data": self._light_data,
-            "tangent_count": tuple(counts),
-            "sigma_mask": self.fabric.sigma,
-            "gap": self.fabric.gap,
-            "gaussian_count": len(self.lights.gaussians),
-            "sun_count": len(self.lights.suns),
-        }
+    def _upload_fabric(self, fabric: Fabric, part: int | None) -> dict[str, Any]:
+        self._fabric_data.write(fabric_records(fabric, part))
+        counts = tuple(sum(t.yarn == j for t in fabric.tangents) for j in (0, 1))
+        values = {"tangent_count": counts, "sigma_mask": fabric.sigma, "gap": fabric.gap}
+        return {"fabric_data": self._fabric_data, **values}
+
+    def _upload_lights(self, lights: Lights) -> dict[str, Any]:
+        self._light_data.write(light_records(lights))
+        counts = {"gaussian_count": len(lights.gaussians), "sun_count": len(lights.suns)}
+        return {"light_data": self._light_data, **counts}
+
+    @property
+    def fabric(self) -> Fabric | None:
+        """The fabric that is on the GPU."""
+        return self._fabric.key[0] if self._fabric.key else None
+
+    def inputs(self) -> dict[str, Any]:
+        """What inputs/picture/fabric.glsl declares and, where there are lights, inputs/picture/lights.glsl."""
+        return {**(self._fabric.value or {}), **(self._lights.value or {})}
 
     def release(self) -> None:
+        """Free the GPU's memory."""
         self._fabric_data.release()
         self._light_data.release()

@@ -7,8 +7,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import ShaderError
 from ..files import GLSL
+from .buffers import TextureBuffer
 
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"')
 # Mesa "0:12(3): error: ...", NVIDIA "0(12) : error ...", AMD, Intel and Apple "ERROR: 0:12: ..."
@@ -141,3 +144,15 @@ def set_uniforms(prog, **values) -> None:
         uniform = prog.get(name, None)
         if uniform is not None:
             uniform.value = value
+
+
+def bind_numbered(prog, units: Mapping[str, int], inputs: Mapping[str, object]) -> None:
+    """Bind textures at the units that a program not bound by name has for them, and set its uniforms."""
+    for name, value in inputs.items():
+        if name in units:
+            value.bind(units[name]) if isinstance(value, TextureBuffer) else value.use(units[name])
+        elif isinstance(value, np.ndarray):
+            if (uniform := prog.get(name, None)) is not None:
+                uniform.write(value.tobytes()[: 4 * uniform.dimension * uniform.array_length])
+        else:
+            set_uniforms(prog, **{name: value})

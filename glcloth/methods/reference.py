@@ -5,27 +5,40 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any, NamedTuple
 
+import moderngl
 import numpy as np
 
-from ..gpu import shader
+from ..accel.structure import tracing
+from ..fabric import Fabric
 from ..gpu.buffers import TextureBuffer
+from ..gpu.memo import Last, same
+from ..gpu.programs import Draw, programs
 from ..light.environment import cube_map, cube_map_of_gaussians
+from ..light.lights import Lights
 from ..settings import Settings
-from ..visibility.hit_vertices import HitSurface, HitVertices
 from .albedo import diffuse_albedo
+from .method import Geometry, Method
 
 # Directions per pass: far below llvmpipe's 65,535 loop iterations per invocation even with 32 tangents, and short
 # enough (about a second a pass at 640x480 without a GPU) for progress and Ctrl-C.
 CHUNK = 256
 TRACED_CHUNK = 64  # the steps and triangles of 64 rays count too
-DIRECTION_UNIT = 8
-TRACED_UNITS = {"directions": 10, "irradiance": 11, "corners": 12, "vertices": 13}
 LIT_CHUNK = 2  # directions that light the vertices at a time: a caller in between waits for no more
 BOUNCE_CUBE = 16  # edge of the cube map that lights the vertices for a bounce: irradiance is smooth
 
 
-class Reference:
+class Directions(NamedTuple):
+    """What is summed over."""
+
+    omega: np.ndarray  # [D, 3]
+    flux: np.ndarray  # [D, 3]
+    solid_angle: np.ndarray  # [D]
+    cast: np.ndarray  # [D], 1 where a ray decides whether the flux arrives
+
+
+class Reference(Method):
     """Sums f_cloth times flux over directions: the judge of the other methods.
 
     With light "map" the directions are the texels of the environment itself; with "sg" the same texels under the
@@ -34,31 +47,31 @@ class Reference:
     own radiance: the fabric's diffuse albedo / pi times the irradiance at the hit, interpolated between the vertices.
     """
 
-    def __init__(self, ctx):
-        self.ctx = ctx
+    lights_solids = True
+
+    def __init__(self, ctx: moderngl.Context):
+        super().__init__(ctx)
         self._data = TextureBuffer(ctx, 32 * 6 * 32 * 32)
-        self._key = None
+        self._uploaded: Last[int] = Last()
         self._settings = Settings()
-        self._count = self._tangents = 0
-        # With shadows: the mesh and the structure over what hides light; the vertices' irradiance, and of what.
-        self._mesh = self._structure = self._irradiance = self._lit = None
-        self._vertex_lights: TextureBuffer | None = None
-        self._irradiance_programs: dict = {}
-        self._around = None
-        self._places = HitVertices(ctx)
-        self._albedo: tuple | None = None  # of which fabric, its diffuse albedo
-        self._radiance_per_irradiance = (0.0, 0.0, 0.0)
+        self._tangents = 0
+        # With shadows: what rays meet, and with a bounce the irradiance of the vertices.
+        self._geometry: Geometry
+        self._vertex_lights, self._irradiance = TextureBuffer(ctx, 16), TextureBuffer(ctx, 16)
+        self._light: tuple = ()  # what the irradiance is of, beside the geometry,
+        self._lit: tuple | None = None  # and both once it is made
+        self._albedo: Last[np.ndarray] = Last()
 
     # -- what a draw needs ---------------------------------------------------------------------------------------
 
     @property
-    def source(self) -> str:
+    def source(self) -> str:  # type: ignore[override]
         """The pass file with `L_o`."""
-        return "inputs/methods/reference" + ("_traced" if self.traced else "") + ".glsl"
+        return "inputs/methods/reference_traced.glsl" if self.traced else "inputs/methods/reference.glsl"
 
     @property
     def traced(self) -> bool:
-        """Whether rays are cast: then `place` must follow `prepare`."""
+        """Whether rays are cast: then `set_geometry` must follow `prepare`."""
         return self._settings.shadows != "off"
 
     @property
@@ -66,42 +79,41 @@ class Reference:
         """Whether light goes from cloth to cloth once."""
         return self._settings.shadows == "full" and self._settings.bounce
 
-    def includes(self) -> dict:
-        """What `#include` means in `source`, by name."""
+    def defines(self) -> dict[str, Any]:
+        """Whether rays can meet anything but the cloth itself."""
+        return {"SEVERAL_SURFACES": 1} if self.traced and self._geometry.several else {}
+
+    def includes(self) -> dict[str, str]:
+        """How rays are traced, and what they look for."""
         if not self.traced:
             return {}
-        visit = "closest" if self.bounces else "any"
-        return {"visit.glsl": f"inputs/accel/visit_{visit}.glsl", **self._traversal()}
+        visit = "inputs/accel/visit_closest.glsl" if self.bounces else "inputs/accel/visit_any.glsl"
+        return {"visit.glsl": visit, **tracing(self._geometry.structure)}
 
-    def _traversal(self) -> dict:
-        return {"accel.glsl": self._structure.source, "count.glsl": "inputs/accel/count_none.glsl"}
+    def prepare(self, fabric: Fabric, lights: Lights, settings: Settings, part: int | None = None) -> None:
+        """Upload the directions and their flux when the lights, the map or the resolution changed.
 
-    def prepare(self, fabric, lights, settings: Settings) -> None:
-        """Upload the directions and their flux when the lights, the map or the resolution changed."""
-        self._tangents = len(fabric.tangents)
-        self._settings = settings
-        self._radiance_per_irradiance = (0.0, 0.0, 0.0)
-        if self.bounces:
-            if self._albedo is None or self._albedo[0] is not fabric:
-                self._albedo = fabric, self.diffuse_albedo(fabric)
-            self._radiance_per_irradiance = tuple(map(float, self._albedo[1] / np.pi))
+        `part` is in the fabric's records alone; what a bounce brings is always of the whole fabric.
+        """
+        self._tangents, self._settings = len(fabric.tangents), settings
+        self.broad = np.zeros(len(lights.gaussians))
+        self.albedo = self._albedo.get(lambda: self.diffuse_albedo(fabric), fabric) if self.bounces else np.zeros(3)
+        # Maps and lights are frozen, so the same object means the same light.
+        source = settings.environment if settings.light == "map" else lights
         rotation = None if settings.rotation is None else np.asarray(settings.rotation, float).tobytes()
-        # Arrays have no cheap equality: maps and lights are frozen, so the same object means the same light.
-        source = id(settings.environment) if settings.light == "map" else id(lights)
-        key = (settings.light, settings.cube, source, rotation, settings.shadows, self.bounces)
-        if key == self._key:
-            return
-        self._kept_alive = settings.environment, lights  # an id stays unique only while its object lives
-        self._light_key = key[:1] + key[2:4]
-        self._count = self._upload(self._data, *self._directions(lights, settings, settings.cube))
-        self._key = key
+        self._light = settings.light, source, rotation, min(settings.cube, BOUNCE_CUBE)
+        self._bounce_light = partial(self._directions, lights, settings, min(settings.cube, BOUNCE_CUBE))
+        self._uploaded.get(
+            lambda: self._upload(self._data, self._directions(lights, settings, settings.cube)),
+            *(settings.light, source, rotation, settings.cube, settings.shadows, self.bounces),
+        )
 
-    def diffuse_albedo(self, fabric) -> np.ndarray:
+    def diffuse_albedo(self, fabric: Fabric) -> np.ndarray:
         """Albedo [3] of the bounce."""
         return diffuse_albedo(fabric)
 
-    def _directions(self, lights, settings: Settings, cube: int) -> tuple[np.ndarray, ...]:
-        """Directions [D, 3], flux [D, 3], solid angles [D], and which of them [D] are cast as rays."""
+    def _directions(self, lights: Lights, settings: Settings, cube: int) -> Directions:
+        """Every direction that light comes from."""
         if settings.light == "map":
             omega, solid_angle, radiance = cube_map(settings.environment, cube)
             omega = omega if settings.rotation is None else omega @ np.asarray(settings.rotation).T
@@ -115,10 +127,11 @@ class Reference:
             cast = np.concatenate([np.full(len(solid_angle), settings.shadows == "full"), np.ones(len(lights.suns))])
             # No light comes back from a sun's direction beyond what its texel brings.
             solid_angle = np.concatenate([solid_angle, np.zeros(len(lights.suns))])
-        return omega, flux, solid_angle, cast
+        return Directions(omega, flux, solid_angle, cast)
 
-    def _upload(self, data: TextureBuffer, omega, flux, solid_angle, cast) -> int:
+    def _upload(self, data: TextureBuffer, directions: Directions) -> int:
         """Upload the directions that can bring light; returns how many."""
+        omega, flux, solid_angle, cast = directions
         used = np.any(flux != 0.0, axis=1) | self.bounces
         records = np.zeros((int(used.sum()), 2, 4), "f4")
         records[:, 0, :3], records[:, 1, :3] = omega[used], flux[used]
@@ -127,99 +140,70 @@ class Reference:
         data.write(records)
         return len(records)
 
-    def place(self, mesh, structure, around=None) -> list[Callable[[], None]]:
-        """Say where the cloth is and what hides light from it; needed when `traced`.
-
-        Parameters
-        ----------
-        mesh : raster.MeshBuffers of the cloth
-        structure : of glcloth.accel, built; its first triangles are the mesh's, then come those of `around`
-        around : cloth.around.Around, what stands about the cloth, if anything
-
-        Returns what is to be called, in this order, before the draw: the dispatches that light the vertices for a bounce.
-        """
-        self._mesh, self._structure, self._around = mesh, structure, around
-        surfaces = [HitSurface(mesh.mesh, mesh.mesh), *([around.hit_surface] if around else [])]
-        self._places.prepare(surfaces, structure.triangles)
-        key = self._light_key, mesh, around and around.mesh
-        if not self.bounces or self._lit == key:
+    def set_geometry(self, geometry: Geometry) -> list[Callable[[], None]]:
+        """Say what rays meet; returns the dispatches that light the vertices for a bounce."""
+        self._geometry = geometry
+        key = self._light, geometry.meshes
+        if not self.bounces or same(self._lit, key):
             return []
         self._lit = None
-        _, lights = self._kept_alive
-        if self._vertex_lights is None:
-            self._vertex_lights, self._irradiance = TextureBuffer(self.ctx, 16), TextureBuffer(self.ctx, 16)
-        light = self._directions(lights, self._settings, min(self._settings.cube, BOUNCE_CUBE))
-        bright = light[1].any(axis=1)
-        count = self._upload(self._vertex_lights, *(column[bright] for column in light))
-        self._irradiance.write(np.zeros((self._places.vertex_count, 2, 4), "f4"))
-        jobs = [partial(self._light_vertices, first, count) for first in range(0, count, LIT_CHUNK)]
+        light = self._bounce_light()
+        bright = light.flux.any(axis=1)
+        count = self._upload(self._vertex_lights, Directions(*(column[bright] for column in light)))
+        self._irradiance.write(np.zeros((geometry.hit_vertices.vertex_count, 2, 4), "f4"))
 
         def finished() -> None:
             self._lit = key
 
-        return [*jobs, finished]
+        return [*(partial(self._light_vertices, first, count) for first in range(0, count, LIT_CHUNK)), finished]
 
     def _light_vertices(self, first: int, count: int) -> None:
         """Add the irradiance on both sides of every vertex from some of the directions, a ray for each."""
-        source = self._structure.source
-        if source not in self._irradiance_programs:
-            virtual = {"visit.glsl": "inputs/accel/visit_any.glsl", **self._traversal()}
-            self._irradiance_programs[source] = shader.compute(
-                self.ctx, "passes/methods/reference_irradiance.comp", None, virtual
-            )
-        program = self._irradiance_programs[source]
-        self._structure.bind(program)
-        self._vertex_lights.bind(TRACED_UNITS["directions"])
-        self._places.bind(program, TRACED_UNITS["corners"], TRACED_UNITS["vertices"])
-        self._irradiance.buffer.bind_to_storage_buffer(0)
-        shader.set_uniforms(
-            program,
-            vertex_count=self._places.vertex_count,
+        structure, hit = self._geometry.structure, self._geometry.hit_vertices
+        virtual = {"visit.glsl": "inputs/accel/visit_any.glsl", **tracing(structure)}
+        program = programs(self.ctx).compute("passes/methods/reference_irradiance.comp", None, virtual)
+        program.run(
+            hit.vertex_count,
+            structure.inputs(),
+            hit.inputs(),
+            direction_data=self._vertex_lights,
+            Irradiance=self._irradiance,
+            vertex_count=hit.vertex_count,
             first_direction=first,
             direction_count=min(LIT_CHUNK, count - first),
-            offset=self._places.offset,
+            offset=hit.offset,
         )
-        program.run(-(-self._places.vertex_count // 64))
-        self.ctx.memory_barrier()
         self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
 
-    def defines(self) -> dict:
-        return {"AROUND_CLOTH": 1} if self.traced and self._around is not None else {}
-
-    def bind(self, program) -> None:
+    def inputs(self) -> dict[str, Any]:
+        """What the pass file and passes/picture/lambert.frag read, but for the range of a pass."""
         if not self.traced:
-            self._data.bind(DIRECTION_UNIT)
-            return
-        self._structure.bind(program)
-        self._data.bind(TRACED_UNITS["directions"])
-        (self._irradiance if self.bounces else self._data).bind(TRACED_UNITS["irradiance"])
-        self._places.bind(program, TRACED_UNITS["corners"], TRACED_UNITS["vertices"])
-        shader.set_uniforms(
-            program,
-            cloth_triangles=self._places.first_triangle[1],
-            radiance_per_irradiance=self._radiance_per_irradiance,
-            bounces=self.bounces,
-        )
-        if self._around is not None:
-            self._around.bind(program)
+            return {"direction_data": self._data}
+        return {
+            **self._geometry.inputs(),
+            "direction_data": self._data,
+            "irradiance_data": self._irradiance if self.bounces else self._data,
+            "bounces": self.bounces,
+        }
 
-    def lit(self, around):
-        """The program of passes/picture/lambert.frag that lights what stands about the cloth by the same sum, bound."""
+    def solids_program(self) -> Draw:
+        """The program that lights what stands about the cloth by the same sum."""
         along = "inputs/visibility/along_ray.glsl" if self.traced else "inputs/visibility/along_everything.glsl"
-        program = around.program(
-            "inputs/visibility/lit_sum.glsl", self.defines(), {"along.glsl": along, **self.includes()}
-        )
-        if not self.traced:
-            self._data.bind(TRACED_UNITS["directions"])
-        else:
-            self.bind(program)
-        return program
+        virtual = {"lit.glsl": "inputs/visibility/lit_sum.glsl", "along.glsl": along, **self.includes()}
+        return programs(self.ctx).screen("passes/picture/lambert.frag", self.defines(), virtual)
 
-    def passes(self) -> Iterator[dict]:
+    def passes(self) -> Iterator[dict[str, Any]]:
+        """So many directions at a time."""
+        count = self._uploaded.value or 0
         chunk = TRACED_CHUNK if self.traced else CHUNK
-        for first in range(0, self._count, chunk):
-            yield {"first_direction": first, "direction_count": min(chunk, self._count - first)}
+        for first in range(0, count, chunk):
+            yield {"first_direction": first, "direction_count": min(chunk, count - first)}
 
     def evaluations_per_pixel(self) -> int:
         """Directions times tangents."""
-        return self._count * self._tangents
+        return (self._uploaded.value or 0) * self._tangents
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        for one in (self._data, self._vertex_lights, self._irradiance):
+            one.release()

@@ -13,16 +13,13 @@ import numpy as np
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import sample_offsets
-from ..gpu.buffers import Buffer
 from ..gpu.context import create_context
 from ..gpu.gbuffer import GBuffer
-from ..gpu.programs import programs
 from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..methods.method import Method
 from ..progress import check_stopped
 from ..scene import Scene
 from ..settings import MethodName, Quality, Settings
-from ..visibility.pixels import SEEN_ALL
 from .background import Background
 from .frame import Frame, Frames
 from .pace import Pace
@@ -268,26 +265,9 @@ class Renderer:
             raise InputError(f"omega_o has shape {omega_o.shape}, expected [N, 3] finite unit directions")
         fabric, lights = load_fabric(fabric), as_lights(lights)
         chosen, how = self.method(method), Settings(quality=quality, **settings)
-        if not parts:
-            return self._radiance(fabric, omega_o, lights, chosen, how, None)
-        each = [self._radiance(fabric, omega_o, lights, chosen, how, t) for t in range(len(fabric.tangents))]
-        return np.stack(each, 1)
-
-    def _radiance(
-        self, fabric: Fabric, omega_o: np.ndarray, lights: Lights, method: Method, settings: Settings, part: int | None
-    ) -> np.ndarray:
-        scene_buffers = self.stage.cloths[0].scene_buffers
-        scene_buffers.prepare(fabric, lights, part)
-        method.prepare(fabric, lights, settings, part)
-        virtual = {"method.glsl": method.source, "seen.glsl": SEEN_ALL, **method.includes()}
-        program = programs(self.ctx).compute("passes/methods/radiance.comp", method.defines(), virtual)
-        count = len(omega_o)
-        directions = np.zeros((max(count, 1), 4), "f4")
-        directions[:count, :3] = omega_o
-        source, result = Buffer(self.ctx, directions), Buffer(self.ctx, np.zeros_like(directions))
-        names = {"Directions": source, "Results": result, "first": 0, "count": count}
-        for uniforms in method.passes():
-            program.run(count, scene_buffers.inputs(), method.inputs(), names, uniforms)
-        radiance = np.frombuffer(result.read(), "f4").reshape(-1, 4)[:count, :3].copy()
-        source.release(), result.release()
-        return radiance
+        buffers = self.stage.cloths[0].scene_buffers
+        if parts:
+            return chosen.part_radiances(buffers, fabric, lights, how, omega_o)
+        buffers.prepare(fabric, lights)
+        chosen.prepare(fabric, lights, how)
+        return chosen.radiance(buffers, omega_o)

@@ -58,7 +58,7 @@ class Solids(Surface):
             self._take_shape(frame.objects)
         self.objects = frame.objects
         self._colors.get(lambda: self._reflectance_data.write(self.triangle_reflectances()), frame.objects)
-        self.pass_count = lit_by.pass_count if lit_by.method.solids_program(self) is not None else 1
+        self.pass_count = lit_by.pass_count if lit_by.method.lights_solids else 1
 
     def _take_shape(self, objects: Objects) -> None:
         fine = [subdivided(mesh) for mesh in objects.meshes]
@@ -116,23 +116,18 @@ class Solids(Surface):
 
     # -- shading -----------------------------------------------------------------------------------------------------
 
-    def inputs(self) -> dict[str, Any]:
-        """The reflectances, for passes that shade it or whose rays meet it."""
-        return {"reflectance_data": self._reflectance_data, "first_of_ground": self.hiding}
-
     def shade(
         self, buffer: GBuffer, view: PixelView, number: int, weight: float, add: bool, rows: tuple[int, int] | None
     ) -> None:
         if number >= self.pass_count:
             return
         method = self._lit_by.method
-        program = method.solids_program(self)
-        if program is None:
-            program, light = self._program_of_means(), self._means(view)
+        if method.lights_solids:
+            program, light = method.solids_program(), {**method.inputs(), **self._lit_by.passes[number]}
         else:
-            light = {**method.inputs(), **self._lit_by.passes[number]}
+            program, light = self._program_of_means(), self._means(view)
         share = {"pass_weight": weight, "pass_cover": weight / self.pass_count}
-        buffer.shade(program, light, self.inputs(), share, add=add, rows=rows)
+        buffer.shade(program, light, {"reflectance_data": self._reflectance_data}, share, add=add, rows=rows)
 
     def _program_of_means(self) -> Draw:
         virtual = {"lit.glsl": "inputs/visibility/lit_means.glsl"}

@@ -11,7 +11,9 @@ from ..accel.ground import OverGround
 from ..accel.queries import make_structure
 from ..accel.structure import Structure
 from ..accel.triangles import Triangles
+from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import Last
+from ..methods.method import Geometry
 from ..settings import ShadowMode
 from ..visibility.bounce import Bounce
 from ..visibility.pixels import Occluders
@@ -47,6 +49,7 @@ class Stage:
         self._structure: Last[Structure] = Last()
         self._triangles: Triangles | None = None
         self._tree: Structure | None = None
+        self._reflectance_data = TextureBuffer(ctx, 16)  # of what rays meet beside the first cloth
 
     def take(self, frame: Frame) -> list[Surface]:
         """Take a frame: returns its surfaces, ready to be drawn, to see and to be shaded."""
@@ -115,12 +118,28 @@ class Stage:
 
     def geometry_jobs(self, frame: Frame) -> list[Callable[[], None]]:
         """What is to be called, in this order, for methods that cast rays as they shade."""
-        jobs: list[Callable[[], None]] = []
-        for cloth in self.cloths_in_frame:
-            if cloth.method.traced:
-                solids = self._solids if frame.objects is not None else None
-                jobs += cloth.method.set_geometry(cloth.buffers, self.occluders(frame), solids)
-        return jobs
+        traced = [cloth.method for cloth in self.cloths_in_frame if cloth.method.traced]
+        if not traced:
+            return []
+        geometry = self._geometry(frame)
+        return [job for method in traced for job in method.set_geometry(geometry)]
+
+    def _geometry(self, frame: Frame) -> Geometry:
+        """What rays meet, and how much of the light that falls there goes back."""
+        structure, hit_vertices = self.occluders(frame), self._bounce.hit_vertices
+        hit_vertices.prepare([surface.hit_surface for surface in self.surfaces], structure.triangles)
+        albedos = [cloth.method.albedo for cloth in self.cloths_in_frame]
+        reflectances = None
+        if len(self.surfaces) > 1:
+            others = zip(self.cloths_in_frame[1:], albedos[1:], strict=True)
+            rows = [np.tile(np.append(albedo, 0.0), (len(cloth.original.triangles), 1)) for cloth, albedo in others]
+            first_of_ground = sum(map(len, rows)) + (self._solids.hiding if frame.objects else 0)
+            rows.append(self._solids.triangle_reflectances() if frame.objects else np.zeros((1, 4)))
+            self._reflectance_data.write(np.concatenate(rows).astype("f4"))
+            reflectances = {"reflectance_data": self._reflectance_data, "first_of_ground": first_of_ground}
+        return Geometry(
+            structure, hit_vertices, tuple(surface.mesh for surface in self.surfaces), albedos[0], reflectances
+        )
 
     def see(self, target: Target, frame: Frame, sample: tuple[int, int], pace: Pace) -> Iterator[None]:
         """Find what the pixels see of the lights, and of each other."""

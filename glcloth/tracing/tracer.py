@@ -25,8 +25,8 @@ from ..fabric import Fabric
 from ..geometry.camera import Camera
 from ..gpu import shader
 from ..gpu.buffers import TextureBuffer
-from ..gpu.fabric_buffer import FabricBuffer
 from ..gpu.layout import shared
+from ..gpu.scene_buffers import SceneBuffers
 from ..light.environment import Environment, rotation_y
 from ..progress import track
 from .energy import mean_albedo, reflection_limit
@@ -176,7 +176,7 @@ class Tracer:
         self.picture = ctx.buffer(reserve=64, dynamic=True)
         self._work = ctx.buffer(reserve=64, dynamic=True)
         self._materials = TextureBuffer(ctx, 64)
-        self._fabric = FabricBuffer(ctx)
+        self._fabric = SceneBuffers(ctx)
         self._environment: tuple[Environment | None, moderngl.Texture | None] = (None, None)
         self.triangles: Triangles | None = None
         self._layers: LayersPicture | None = None

@@ -15,6 +15,7 @@ import numpy as np
 from golden import golden_fabrics, luminance_errors
 
 from glcloth.fabric import Fabric
+from glcloth.gpu.memo import Last
 from glcloth.light.lights import SphericalGaussians
 from glcloth.methods.direct import broad_nodes, gaussian_nodes, schedule
 from glcloth.methods.direct import method as direct
@@ -86,7 +87,7 @@ def main():
             times, rows = {name: [] for name in VARIANTS}, {}
             for turn in range(FRAMES + 1):
                 for name, change in VARIANTS.items():
-                    method._keys.clear()
+                    forget(method)
                     shown = split(fabric) if change == "split" else fabric
                     frame = renderer.prepare(
                         fabric=shown,
@@ -98,12 +99,12 @@ def main():
                     )
                     context = patched(change[0], **change[1]) if isinstance(change, tuple) else patched(schedule)
                     with context:
-                        method._warm.clear()
+                        direct._warm_up.cache_clear()
                         method.prepare(frame.fabric, frame.lights, frame.settings)
                         if turn == 0:
                             renderer.draw(frame)  # compiles
                             rows[name] = method.evaluations_per_pixel(), errors(renderer, data, fabrics, number, name)
-                            method._keys.clear()
+                            forget(method)
                             method.prepare(frame.fabric, frame.lights, frame.settings)
                         renderer.draw(frame)
                         renderer.ctx.finish()
@@ -120,6 +121,13 @@ def main():
             print("\n| variant | time | evaluations | error, % |\n|---|---|---|---|")
             for name, values in times.items():
                 print(f"| {name} | {np.median(values) / base:.2f} | {rows[name][0]} | {rows[name][1]} |", flush=True)
+
+
+def forget(method):
+    """Let the next `prepare` make everything anew."""
+    for kept in vars(method).values():
+        if isinstance(kept, Last):
+            kept.forget()
 
 
 def shade_all(renderer, frame):

@@ -9,6 +9,7 @@ from golden import golden_samples, luminance_errors
 
 from glcloth.color import luminance
 from glcloth.fabric import Fabric, load_fabric
+from glcloth.gpu.programs import programs
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.methods.direct import broad_nodes, gaussian_nodes, lobe_nodes, schedule
 from glcloth.methods.direct.gauss import nodes_and_weights, recurrence
@@ -348,7 +349,7 @@ def test_after_a_warm_up_no_weave_of_up_to_eight_tangents_compiles(renderer):
     frame = renderer.prepare(size=(32, 24))
     for _ in renderer.warm_up(frame):
         pass
-    programs, tables = dict(renderer._programs), dict(renderer.method("direct")._view.programs)
+    compiled = dict(renderer._programs), dict(programs(renderer.ctx)._programs)
     seen = renderer.shadows.vertices.version
     renderer.draw(frame)
     assert renderer.shadows.vertices.version == seen, "what the cloth sees was lost"
@@ -356,7 +357,7 @@ def test_after_a_warm_up_no_weave_of_up_to_eight_tangents_compiles(renderer):
         for adaptive in (False, True):
             fabric = edited(load_fabric("silk_crepe_de_chine"), samples=samples)
             renderer.render(fabric=fabric, size=(32, 24), adaptive=adaptive)
-    assert renderer._programs == programs and renderer.method("direct")._view.programs == tables
+    assert compiled == (renderer._programs, programs(renderer.ctx)._programs)
 
 
 def test_edits_compile_nothing_and_cost_little(renderer):

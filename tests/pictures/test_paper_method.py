@@ -143,7 +143,7 @@ def test_wide_volumes_of_slices_are_tiled(renderer, monkeypatch):
     monkeypatch.setattr(paper, "DEEPEST", 5)
     monkeypatch.setitem(renderer._methods, "paper", method)
     tiled = renderer.radiance("linen", VIEWS, LOBES, method="paper", grid=16, contribution=0.95)
-    assert method._tiling[1] > 1 and np.allclose(tiled, whole, rtol=1e-3, atol=1e-5)
+    assert method.inputs()["tiling"][1] > 1 and np.allclose(tiled, whole, rtol=1e-3, atol=1e-5)
     method.release()
 
 

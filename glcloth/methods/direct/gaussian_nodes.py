@@ -13,10 +13,12 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...gpu.layout import shared
 from ...twins.node import angle_at_column, column_width
 from .gauss import nodes_and_weights, polynomial, recurrence
 
-COLUMNS = 64  # of a table, over the angle between N and the axis; inputs/methods/direct.glsl says the same
+# Columns of a table, over the angle between N and the axis.
+COLUMNS = int(shared("inputs/methods/direct.glsl")[0]["NODE_COLUMNS"])
 _X, _W = np.polynomial.legendre.leggauss(64)
 HALF = np.pi / 2
 

@@ -12,10 +12,11 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...gpu.layout import shared
 from ...twins.pool import lobe_at_column, sin_limit
 from .gauss import nodes_and_weights, recurrence
 
-COLUMNS = 64  # of a table, over theta_o; inputs/methods/direct.glsl says the same
+COLUMNS = int(shared("inputs/methods/direct_lobes.glsl")[0]["LOBE_COLUMNS"])  # of a table, over theta_o
 HALF = np.pi / 2
 NARROW_SHARE = 0.8  # of the narrower lobe in the mixture whose Gauss nodes both lobes use
 _X, _W = np.polynomial.legendre.leggauss(12)

@@ -2,36 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from functools import cache
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
 
 from ...fabric import Fabric
-from ...gpu import shader
 from ...gpu.buffers import TextureBuffer
+from ...gpu.layout import shared
+from ...gpu.memo import Last
 from ...light.lights import Lights
-from ...settings import Settings
+from ...settings import Quality, Settings
 from ...twins.node import angle_at_column, column_width
 from ...twins.slots import ANGLE_SERIES
 from ...visibility.vertices import sun_number
+from ..method import Method
 from . import broad_nodes
 from . import schedule as plan
 from .gaussian_nodes import COLUMNS, SKY_SHARPNESS, SUN, gaussian_table, node_count, warm
-from .lobe_nodes import ends, lobe_table
-from .view_table import ViewTable
+from .light_map import LightMap
+from .lobe_nodes import COLUMNS as LOBE_COLUMNS
+from .lobe_nodes import Lobes, ends, lobe_table
+from .view_table import Levels, ViewTable
 
-NODE_UNIT, ENTRY_UNIT, LOBE_UNIT, POOL_UNIT, BROAD_UNIT, VIEW_UNIT = 8, 9, 10, 11, 12, 13
-ENTRY_TEXELS = 6
+ENTRY_TEXELS = int(shared("inputs/methods/direct.glsl")[0]["ENTRY_TEXELS"])
+MAX_PHI_PAIRS = int(shared("inputs/methods/direct_lobes.glsl")[0]["MAX_PHI_PAIRS"])
 BROAD_BLEND = 1.1  # sharpness, from one number of directions for broad light to the next
 NO_LIGHT = 1e-5  # share of a Gaussian's mass above the horizon that is none
-MAX_PHI_PAIRS = 8
-MAP_SIZE = 160  # of the octahedral maps of light: sharpness 30 needs a texel of a degree
 # What programs are compiled for: (groups, tangents a group, with pooled nodes). The first that a fabric fits serves it.
 VARIANTS = ((1, 4, False), (1, 4, True), (2, 3, True), (2, 4, True), (8, 4, True))
 
 
-class Direct:
+class Entry(NamedTuple):
+    """What `L_shared` of inputs/methods/direct.glsl sums over: one Gaussian, or a share of it, by one rule; or a sun."""
+
+    axis: np.ndarray
+    radiance: np.ndarray
+    sharpness: float
+    pooled: float  # share of it that the pooled nodes carry, in the lobes that are pooled
+    level: int
+    number: int  # of its visibility
+
+
+class Rules(NamedTuple):
+    """Where the rules of Gaussians (sharpness, level) lie in the node data."""
+
+    first: dict[tuple[float, int], int]  # row
+    least: dict[tuple[float, int], float]  # cosine between axis and N from which on there is light
+    broad_nodes: np.ndarray  # the first of the directions at which broad light is looked up, and their number
+
+
+class Direct(Method):
     """The quadrature of glsl/inputs/methods/direct.glsl, and what it needs from the host.
 
     Everything that a user edits goes into buffers and uniforms. Only how the tangents are
@@ -41,234 +63,130 @@ class Direct:
     source = "inputs/methods/direct.glsl"
 
     def __init__(self, ctx: moderngl.Context):
-        self.ctx = ctx
+        super().__init__(ctx)
         self._node_data = TextureBuffer(ctx, 1 << 18)
         self._entry_data = TextureBuffer(ctx, 16 * ENTRY_TEXELS * 64)
         self._lobe_data = TextureBuffer(ctx, 1 << 16)
-        self._map_data = TextureBuffer(ctx, 32 * 64)
-        self._maps = {unit: self._empty_map() for unit in (POOL_UNIT, BROAD_UNIT)}
-        self._map_program = None
+        self._pooled_light, self._broad_light = LightMap(ctx), LightMap(ctx)
         self._view = ViewTable(ctx)
-        self._keys: dict[str, object] = {}
-        self._uniforms: dict[str, np.ndarray] = {}
+        self._prepared: Last[None] = Last()
+        self._rules: Last[Rules] = Last()
+        self._lobes: Last[None] = Last()
+        self._view_made: Last[None] = Last()
+        self._uniforms: dict[str, Any] = {}
+        self._pixel_counts: tuple[int, ...] = (1, 1, 1)
         self._variant = VARIANTS[0]
         self._evaluations = 0
-        self._pixel_counts = (1, 1, 1)
-        self._warm: set[str] = set()
-        self.broad = np.zeros(0)  # how much [K] of each Gaussian the maps carry
 
-    def _empty_map(self) -> moderngl.Texture:
-        size = MAP_SIZE, MAP_SIZE
-        texture = self.ctx.texture(size, 4, np.zeros((*size, 4), "f4").tobytes(), dtype="f4")
-        texture.filter = moderngl.LINEAR, moderngl.LINEAR
-        texture.repeat_x = texture.repeat_y = False
-        return texture
-
-    # -- what changed ----------------------------------------------------------------------------------------------
-
-    def prepare(self, fabric: Fabric, lights: Lights, settings: Settings) -> None:
+    def prepare(self, fabric: Fabric, lights: Lights, settings: Settings, part: int | None = None) -> None:
         """Compute and upload what differs from the last call."""
-        schedule = plan.SCHEDULES[settings.quality]
-        self._warm_up(settings.quality)
-        key = (fabric, lights, settings.quality)
-        last = self._keys.get("all")
-        # Fabrics and lights are frozen: the same object is the same content.
-        if last is not None and last[0] is fabric and last[1] is lights and last[2] == settings.quality:
-            return
-        self._keys["all"] = key
+        quality = settings.quality
+        self._prepared.get(lambda: self._prepare(fabric, lights, quality, part), fabric, lights, quality, part)
+
+    def _prepare(self, fabric: Fabric, lights: Lights, quality: Quality, part: int | None) -> None:
+        _warm_up(quality)
+        schedule = plan.SCHEDULES[quality]
         lobes = plan.pooled_lobes(fabric)
         sharpness = lights.gaussians.sharpness
         broad = plan.broad_share(sharpness)
         pooled = plan.pooled_share(schedule, sharpness, lobes)  # of what is left over
         self.broad = broad + (1.0 - broad) * pooled
-        nodes = self._write_entries(lights, schedule, lobes, pooled, broad, fabric)
-        pool = self._write_lobes(fabric, schedule, lobes)
+        looked_up = sharpness[broad > 0.0]
+        levels = tuple(broad_nodes.levels(float(looked_up.max()), BROAD_BLEND)) if len(looked_up) else ()
+        nodes = self._write_entries(_entries(lights, schedule, lobes, pooled, broad), levels, lobes, fabric)
+        pool = self._write_lobes(fabric, schedule, lobes, part)
         any_pooled = bool(((broad < 1.0) & (pooled > 0.0)).any())
-        self._pixel_counts = tuple(map(int, self._uniforms["pool_counts"])) if any_pooled else (1, 1, 1)
-        self._write_map(POOL_UNIT, lights, (1.0 - broad) * pooled)
-        self._write_map(BROAD_UNIT, lights, broad)
-        self._set_fabric(fabric, pool > 0)
-        self._write_view_table(fabric, lobes, schedule)
-        directions = int(self._uniforms["broad_nodes"][1])
-        self._evaluations = nodes * len(fabric.tangents) + pool * any_pooled + directions
-
-    def _warm_up(self, quality: str) -> None:
-        """Compute the rules of a quality for all sharpnesses, once: no later edit computes one."""
-        if quality in self._warm:
-            return
-        schedule = plan.SCHEDULES[quality]
-        edges = [1e-2, *sorted(schedule.sharper), 1e6]
-        top = len(schedule.sharper)
-        for i in range(top + 1):  # between edges i and i + 1 lies level top - i, whatever factor 0.15..4 a fabric has
-            level = min(top - i + schedule.shift, len(plan.LADDER) - 1)
-            warm(level, max(edges[i] * 0.13, 1e-2), min(edges[i + 1] * 4.5, 1e6))
-        warm(0, SUN, SUN)
-        self._warm.add(quality)
-
-    def _write_entries(self, lights: Lights, schedule, lobes, pooled, broad, fabric) -> int:
-        """Upload the rules and the Gaussians that use them; returns the number of nodes."""
-        gaussians = lights.gaussians
-        axis, amplitude, sharp, share, level, number = [], [], [], [], [], []
-        for k in range(len(gaussians)):
-            if broad[k] == 1.0 or not gaussians.amplitude[k].any():
-                continue
-            for one, part in plan.levels(schedule, gaussians.sharpness[k], pooled[k], lobes):
-                axis.append(gaussians.axis[k])
-                amplitude.append(gaussians.amplitude[k] * (1.0 - broad[k]) * part)
-                sharp.append(max(float(gaussians.sharpness[k]), 1e-2))
-                share.append(pooled[k])
-                level.append(one)
-                number.append(1 + k)
-        for s, (direction, irradiance) in enumerate(zip(lights.suns.direction, lights.suns.irradiance, strict=True)):
-            number.append(sun_number(len(gaussians)) + s)
-            axis.append(direction)
-            amplitude.append(irradiance * SUN / (2.0 * np.pi))
-            sharp.append(SUN)
-            share.append(0.0)
-            level.append(0)
-        # Behind them one that ends every search. Pixels side by side spend as many nodes when the long rules come first.
-        order = sorted(range(len(axis)), key=lambda i: -node_count(level[i]))
-        axis, amplitude, sharp, share, level, number = (
-            [*(column[i] for i in order), last]
-            for column, last in zip(
-                (axis, amplitude, sharp, share, level, number),
-                ((0.0, 0.0, 1.0), (0.0, 0.0, 0.0), SUN, 0.0, 0, 0),
-                strict=True,
-            )
+        self._pixel_counts = self._uniforms["pool_counts"] if any_pooled else (1, 1, 1)
+        self._pooled_light.draw(lights.gaussians, (1.0 - broad) * pooled)
+        self._broad_light.draw(lights.gaussians, broad)
+        self._set_fabric(fabric, pool > 0, part)
+        self._view_made.get(
+            lambda: self._make_view_table(fabric, lobes, schedule, levels), fabric, part, schedule, levels
         )
-        key = tuple(zip(sharp, level, strict=True))
-        looked_up = gaussians.sharpness[broad > 0.0]
-        self._broad_levels = broad_nodes.levels(float(looked_up.max()), BROAD_BLEND) if len(looked_up) else []
-        if self._keys.get("nodes") != (key, self._broad_levels):
-            self._keys["nodes"] = key, self._broad_levels
-            first, tables, starts, least = 0, [], {}, {}
-            for pair in dict.fromkeys(key):
-                table = gaussian_table(*pair)
-                starts[pair], least[pair] = first, _least_cosine(table, pair[0])
-                first += len(table)
-                tables.append(table)
-            self._starts, self._least = starts, least
-            # Where nothing is looked up, one direction keeps the shader's loop whole.
-            omega = [broad_nodes.directions(one) for one, _ in self._broad_levels] or [np.array([[0.0, 0.0, 1.0]])]
-            omega = np.concatenate(omega)
-            texels = np.concatenate([*(table.reshape(-1, 4) for table in tables), np.pad(omega, ((0, 0), (0, 1)))])
-            self._uniforms["broad_nodes"] = np.array([len(texels) - len(omega), len(omega)], "i4")
-            texels = texels.astype("f4")
-            self._node_data.write(texels)
-        records = np.zeros((len(axis), ENTRY_TEXELS, 4), "f4")
-        records[:, 0, :3], records[:, 1, :3] = axis, amplitude
-        starts = [
-            at << 24 | self._starts[pair] << 8 | node_count(pair[1]) for at, pair in zip(number, key, strict=True)
+        self._evaluations = nodes * len(fabric.tangents) + pool * any_pooled + int(self._uniforms["broad_nodes"][1])
+
+    # -- light -----------------------------------------------------------------------------------------------------
+
+    def _write_entries(self, entries: list[Entry], levels: Levels, lobes: tuple[Lobes, Lobes], fabric: Fabric) -> int:
+        """Upload the entries and the rules that they use; returns the number of nodes."""
+        pairs = tuple((entry.sharpness, entry.level) for entry in entries)
+        rules = self._rules.get(lambda: self._write_rules(pairs, levels), pairs, levels)
+        self._uniforms["broad_nodes"] = rules.broad_nodes
+        records = np.zeros((len(entries), ENTRY_TEXELS, 4), "f4")
+        records[:, 0, :3] = [entry.axis for entry in entries]
+        records[:, 1, :3] = [entry.radiance for entry in entries]
+        rows = [
+            entry.number << 24 | rules.first[pair] << 8 | node_count(pair[1])
+            for entry, pair in zip(entries, pairs, strict=True)
         ]
-        records[:, 1, 3] = np.array(starts, "i4").view("f4")
-        records[:-1, 0, 3] = [self._least[pair] for pair in key[:-1]]
+        records[:, 1, 3] = np.array(rows, "i4").view("f4")
+        records[:-1, 0, 3] = [rules.least[pair] for pair in pairs[:-1]]
         records[-1, 0, 3] = -2.0
-        records[:, 5, 0] = column_width(sharp)
-        sharp, share, level = np.array(sharp), np.array(share), np.array(level)
+        sharpness = np.array([entry.sharpness for entry in entries])
+        pooled = np.array([entry.pooled for entry in entries])
+        level = np.array([entry.level for entry in entries])
         for one in np.unique(level):
             mine = level == one
-            records[mine, 2:5] = self._lobe_records(int(one), sharp[mine], share[mine], lobes, fabric)
+            records[mine, 2:5] = _lobe_records(int(one), sharpness[mine], pooled[mine], lobes, fabric)
+        records[:, 5, 0] = column_width(sharpness)
         self._entry_data.write(records)
         several = int((level[:-1] > 0).sum())
-        self._uniforms["entry_counts"] = np.array([several, len(axis) - 1], "i4")
+        self._uniforms["entry_counts"] = several, len(entries) - 1
         return int(sum(node_count(int(one)) for one in level[:-1]))
 
-    @staticmethod
-    def _lobe_records(level: int, sharpness, pooled, lobes, fabric) -> np.ndarray:
-        """How nodes of one level see the lobes: (kept share, sharpness, log2 of the amplitude) [K, 3, 4] float32.
+    def _write_rules(self, pairs: tuple[tuple[float, int], ...], levels: Levels) -> Rules:
+        """Upload the rules of Gaussians (sharpness, level), and the directions at which broad light is looked up."""
+        row, tables, first, least = 0, [], {}, {}
+        for pair in dict.fromkeys(pairs):
+            table = gaussian_table(*pair)
+            first[pair], least[pair] = row, _least_cosine(table, pair[0])
+            row += len(table)
+            tables.append(table)
+        # Where nothing is looked up, one direction keeps the shader's loop whole.
+        omega = np.concatenate([broad_nodes.directions(one) for one, _ in levels] or [np.array([[0.0, 0.0, 1.0]])])
+        texels = np.concatenate([*(table.reshape(-1, 4) for table in tables), np.pad(omega, ((0, 0), (0, 1)))])
+        self._node_data.write(texels.astype("f4"))
+        return Rules(first, least, np.array([len(texels) - len(omega), len(omega)], "i4"))
 
-        Components: surface of yarn 0 and 1, volume of yarn 0 and 1.
-        """
-        gammas = np.array([lobes[0].gamma_s, lobes[1].gamma_s, lobes[0].gamma_v, lobes[1].gamma_v])
-        own = np.array([lobes[0].share_s, lobes[1].share_s, lobes[0].share_v, lobes[1].share_v])
-        k_d = np.array([0.0, 0.0, fabric.yarn[0].k_d, fabric.yarn[1].k_d])
-        kept = plan.kept_share(level, sharpness[:, None], gammas)
-        variance = 1.0 / (sharpness + plan.CUT_SHARPNESS)
-        # Of theta_i + theta_o = 2 theta_h; the little Gaussian of a node widens the lobe.
-        width2 = 4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None]
-        amplitude = (1.0 - pooled[:, None] * own) * (1.0 - k_d) * 2.0 / np.sqrt(np.pi * width2)
-        height = np.log2(np.maximum(amplitude, 1e-30))
-        return np.stack([kept, np.sqrt(1.0 / (width2 * np.log(2))), height], 1).astype("f4")
+    # -- fabric ----------------------------------------------------------------------------------------------------
 
-    def _write_lobes(self, fabric: Fabric, schedule, lobes) -> int:
+    def _write_lobes(
+        self, fabric: Fabric, schedule: plan.Schedule, lobes: tuple[Lobes, Lobes], part: int | None
+    ) -> int:
         """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them."""
-        tangents = [
-            (tangent, weight)
-            for tangent, weight in zip(fabric.tangents, fabric.weights[:, 0], strict=True)
-            if max(lobes[tangent.yarn].share_s, lobes[tangent.yarn].share_v) > 0.0
-        ]
-        count, pairs = (schedule.theta_count, schedule.phi_pairs) if tangents else (1, 1)
-        key = (
-            tuple((*tangent, weight) for tangent, weight in tangents),
-            lobes,
-            count,
-            fabric.yarn[0].k_d,
-            fabric.yarn[1].k_d,
+        tangents = tuple(
+            (*tangent, weight)
+            for tangent, weight in zip(fabric.tangents, fabric.numerators(part), strict=True)
+            if max(lobes[tangent.yarn].share_s, lobes[tangent.yarn].share_v) > 0.0 and (weight > 0.0 or part is None)
         )
-        if self._keys.get("lobes") != key:
-            self._keys["lobes"] = key
-            data = np.zeros((max(len(tangents), 1), 2 + count * 64, 4), "f4")
-            for yarn in (0, 1):
-                mine = [i for i, (tangent, _) in enumerate(tangents) if tangent.yarn == yarn]
-                if not mine:
-                    continue
-                tilts = np.array([tangents[i][0].tilt for i in mine])
-                table = lobe_table(tilts, lobes[yarn], count)
-                table[..., 2] *= 1.0 - fabric.yarn[yarn].k_d
-                for i, tilt, rows in zip(mine, tilts, table, strict=True):
-                    data[i, 0] = np.cos(tilt), np.sin(tilt), tangents[i][1], yarn
-                    data[i, 1, :3] = *ends(tilt), lobes[yarn].width
-                    data[i, 2:] = rows.reshape(-1, 4)
-            if not tangents:
-                data[0, 0], data[0, 1, :3] = (1.0, 0.0, 0.0, 0.0), (-np.pi / 2, np.pi / 2, 1.0)
-            self._lobe_data.write(data)
+        count, pairs = (schedule.theta_count, schedule.phi_pairs) if tangents else (1, 1)
+        k_d = fabric.yarn[0].k_d, fabric.yarn[1].k_d
+        seen = tuple((lobe.gamma_s, lobe.gamma_v, lobe.share_s, lobe.share_v) for lobe in lobes)
+        self._lobes.get(
+            lambda: self._lobe_data.write(_lobe_texels(tangents, lobes, k_d, count)), tangents, seen, k_d, count
+        )
         x, w = np.polynomial.legendre.leggauss(2 * pairs)
         rule = np.zeros((MAX_PHI_PAIRS, 2), "f4")
         rule[:pairs] = np.stack([x[pairs:], w[pairs:]], -1)
         self._uniforms["phi_rule"] = rule
-        self._uniforms["pool_counts"] = np.array([max(len(tangents), 1), count, pairs], "i4")
+        self._uniforms["pool_counts"] = max(len(tangents), 1), count, pairs
         return len(tangents) * count * pairs * 2
 
-    def _write_map(self, unit: int, lights: Lights, share: np.ndarray) -> None:
-        """Draw the radiance of the given shares of the Gaussians into one of the maps."""
-        mine = share > 0.0
-        gaussians = lights.gaussians
-        records = np.zeros((int(mine.sum()), 2, 4), "f4")
-        records[:, 0, :3], records[:, 0, 3] = gaussians.axis[mine], gaussians.sharpness[mine]
-        records[:, 1, :3] = gaussians.amplitude[mine] * share[mine, None]
-        key = records.tobytes()
-        if self._keys.get(unit) == key:
-            return
-        self._keys[unit] = key
-        if self._map_program is None:
-            self._map_program = shader.compute(self.ctx, "passes/methods/light_map.comp")
-        self._map_data.write(records)
-        self._map_data.bind(ENTRY_UNIT)
-        self._maps[unit].bind_to_image(0, read=False, write=True)
-        self._map_program["gaussian_count"].value = len(records)
-        groups = -(-MAP_SIZE // 8)
-        self._map_program.run(groups, groups)
-        self.ctx.memory_barrier(moderngl.TEXTURE_FETCH_BARRIER_BIT)
-
-    def _write_view_table(self, fabric: Fabric, lobes, schedule) -> None:
-        """Have the table of the fabric made; nothing while neither it nor the directions of broad light change."""
-        before, key = self._keys.get("view"), (schedule, self._broad_levels)
-        if before is not None and before[0] is fabric and before[1] == key:
-            return
-        self._keys["view"] = fabric, key
+    def _make_view_table(
+        self, fabric: Fabric, lobes: tuple[Lobes, Lobes], schedule: plan.Schedule, levels: Levels
+    ) -> None:
         groups, lanes, _ = self._variant
-        record = self._lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
-        self._view.make(
-            schedule.view_size, self._broad_levels, _defines(groups, lanes, True), self._bind_fabric, record
-        )
+        record = _lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
+        inputs = {"lobe_data": self._lobe_data, **self._uniforms}
+        self._view.make(schedule.view_size, levels, _defines(groups, lanes, True), inputs, record)
 
-    def _set_fabric(self, fabric: Fabric, pooled: bool) -> None:
+    def _set_fabric(self, fabric: Fabric, pooled: bool, part: int | None) -> None:
         tangents = fabric.tangents
         self._variant = next(v for v in VARIANTS if v[0] * v[1] >= len(tangents) and v[2] >= pooled)
         groups, lanes, _ = self._variant
         tilt, yarn = np.array([t.tilt for t in tangents]), np.array([t.yarn for t in tangents])
-        weight, share = fabric.weights.T
-        ratio = weight / np.where(share > 0.0, share, 1.0)
+        share = fabric.weights[:, 1]
+        ratio = fabric.numerators(part) / np.where(share > 0.0, share, 1.0)
         eta = np.array([y.eta for y in fabric.yarn])
         F_0 = ((1 - eta) / (1 + eta)) ** 2
         values = {
@@ -286,50 +204,114 @@ class Direct:
         slots[:, : len(tangents)] = list(values.values())
         slots = np.pad(slots.reshape(-1, groups, lanes), ((0, 0), (0, 0), (0, 4 - lanes)))
         self._uniforms |= {
-            **{f"slot_{name}": value for name, value in zip(values, slots, strict=True)},
+            **{f"slot_{name}": np.ascontiguousarray(value) for name, value in zip(values, slots, strict=True)},
             "mask_series": (ANGLE_SERIES * -(fabric.sigma**-2) / np.log(2)).astype("f4"),
-            "gap": np.array([fabric.gap], "f4"),
+            "gap": fabric.gap,
             "yarn_F_0": F_0.astype("f4"),
             "yarn_A": np.array([y.albedo for y in fabric.yarn], "f4"),
         }
 
     # -- the contract of a method ----------------------------------------------------------------------------------
 
-    def defines(self) -> dict:
+    def defines(self) -> dict[str, Any]:
         """How the tangents are packed (see `variants`)."""
         return _defines(*self._variant)
 
     @staticmethod
-    def variants() -> list[dict]:
+    def variants() -> list[dict[str, Any]]:
         """All values that `defines` can take."""
         return [_defines(*variant) for variant in VARIANTS]
 
-    def bind(self, program) -> None:
-        """Bind the buffers and set the uniforms of a program."""
-        self._node_data.bind(NODE_UNIT)
-        self._entry_data.bind(ENTRY_UNIT)
-        for unit, texture in self._maps.items():
-            texture.use(unit)
-        self._view.use(VIEW_UNIT)
-        self._bind_fabric(program)
-        shader.set_uniforms(program, pool_counts=self._pixel_counts)
-
-    def _bind_fabric(self, program) -> None:
-        self._lobe_data.bind(LOBE_UNIT)
-        for name, value in self._uniforms.items():
-            if name in program:
-                uniform = program[name]
-                # An array of which the driver kept fewer elements takes only those.
-                value = value[: uniform.array_length] if uniform.array_length > 1 else value
-                uniform.write(np.ascontiguousarray(value).tobytes()[: 4 * uniform.dimension * uniform.array_length])
-
-    def passes(self) -> Iterator[dict]:
-        """One pass does it all."""
-        yield {}
+    def inputs(self) -> dict[str, Any]:
+        """What inputs/methods/direct.glsl and what it includes declare."""
+        return {
+            "node_data": self._node_data,
+            "entry_data": self._entry_data,
+            "lobe_data": self._lobe_data,
+            "pooled_light": self._pooled_light.texture,
+            "broad_light": self._broad_light.texture,
+            "view_table": self._view.texture,
+            **self._uniforms,
+            "pool_counts": self._pixel_counts,
+        }
 
     def evaluations_per_pixel(self) -> int:
         """Evaluations of one tangent at one node in each pixel."""
         return self._evaluations
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        for one in (self._node_data, self._entry_data, self._lobe_data):
+            one.release()
+        for map in (self._pooled_light, self._broad_light, self._view):
+            map.release()
+
+
+@cache
+def _warm_up(quality: Quality) -> None:
+    """Compute the rules of a quality for all sharpnesses, once: no later edit computes one."""
+    schedule = plan.SCHEDULES[quality]
+    edges = [1e-2, *sorted(schedule.sharper), 1e6]
+    top = len(schedule.sharper)
+    for i in range(top + 1):  # between edges i and i + 1 lies level top - i, whatever factor 0.15..4 a fabric has
+        level = min(top - i + schedule.shift, len(plan.LADDER) - 1)
+        warm(level, max(edges[i] * 0.13, 1e-2), min(edges[i + 1] * 4.5, 1e6))
+    warm(0, SUN, SUN)
+
+
+def _entries(lights: Lights, schedule: plan.Schedule, lobes, pooled: np.ndarray, broad: np.ndarray) -> list[Entry]:
+    """The entries of all lights; long rules first, behind them one that ends every search."""
+    gaussians, suns = lights.gaussians, lights.suns
+    entries = []
+    for k in range(len(gaussians)):
+        if broad[k] == 1.0 or not gaussians.amplitude[k].any():
+            continue
+        sharpness = max(float(gaussians.sharpness[k]), 1e-2)
+        for level, share in plan.levels(schedule, gaussians.sharpness[k], pooled[k], lobes):
+            radiance = gaussians.amplitude[k] * (1.0 - broad[k]) * share
+            entries.append(Entry(gaussians.axis[k], radiance, sharpness, pooled[k], level, 1 + k))
+    for s in range(len(suns)):
+        radiance = suns.irradiance[s] * SUN / (2.0 * np.pi)
+        entries.append(Entry(suns.direction[s], radiance, SUN, 0.0, 0, sun_number(len(gaussians)) + s))
+    # Pixels side by side spend as many nodes when the long rules come first.
+    entries.sort(key=lambda entry: -node_count(entry.level))
+    return [*entries, Entry(np.array([0.0, 0.0, 1.0]), np.zeros(3), SUN, 0.0, 0, 0)]
+
+
+def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, fabric: Fabric) -> np.ndarray:
+    """How nodes of one level see the lobes: (kept share, sharpness, log2 of the amplitude) [K, 3, 4] float32.
+
+    Components: surface of yarn 0 and 1, volume of yarn 0 and 1.
+    """
+    gammas = np.array([lobes[0].gamma_s, lobes[1].gamma_s, lobes[0].gamma_v, lobes[1].gamma_v])
+    own = np.array([lobes[0].share_s, lobes[1].share_s, lobes[0].share_v, lobes[1].share_v])
+    k_d = np.array([0.0, 0.0, fabric.yarn[0].k_d, fabric.yarn[1].k_d])
+    kept = plan.kept_share(level, sharpness[:, None], gammas)
+    variance = 1.0 / (sharpness + plan.CUT_SHARPNESS)
+    # Of theta_i + theta_o = 2 theta_h; the little Gaussian of a node widens the lobe.
+    width2 = 4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None]
+    amplitude = (1.0 - pooled[:, None] * own) * (1.0 - k_d) * 2.0 / np.sqrt(np.pi * width2)
+    height = np.log2(np.maximum(amplitude, 1e-30))
+    return np.stack([kept, np.sqrt(1.0 / (width2 * np.log(2))), height], 1).astype("f4")
+
+
+def _lobe_texels(tangents: tuple, lobes: tuple[Lobes, Lobes], k_d: tuple[float, float], count: int) -> np.ndarray:
+    """Nodes [tangents, 2 + count * LOBE_COLUMNS, 4] on the lobes of tangents (yarn, tilt, multiplicity, weight)."""
+    data = np.zeros((max(len(tangents), 1), 2 + count * LOBE_COLUMNS, 4), "f4")
+    for yarn in (0, 1):
+        mine = [i for i, tangent in enumerate(tangents) if tangent[0] == yarn]
+        if not mine:
+            continue
+        tilts = np.array([tangents[i][1] for i in mine])
+        table = lobe_table(tilts, lobes[yarn], count)
+        table[..., 2] *= 1.0 - k_d[yarn]
+        for i, tilt, rows in zip(mine, tilts, table, strict=True):
+            data[i, 0] = np.cos(tilt), np.sin(tilt), tangents[i][3], yarn
+            data[i, 1, :3] = *ends(tilt), lobes[yarn].width
+            data[i, 2:] = rows.reshape(-1, 4)
+    if not tangents:
+        data[0, 0], data[0, 1, :3] = (1.0, 0.0, 0.0, 0.0), (-np.pi / 2, np.pi / 2, 1.0)
+    return data
 
 
 def _least_cosine(table: np.ndarray, sharpness: float) -> float:
@@ -341,7 +323,7 @@ def _least_cosine(table: np.ndarray, sharpness: float) -> float:
     return float(np.cos(angle_at_column((lit + 1) / (COLUMNS - 1), column_width(sharpness))))
 
 
-def _defines(groups: int, lanes: int, pooled: bool) -> dict:
+def _defines(groups: int, lanes: int, pooled: bool) -> dict[str, Any]:
     return {
         "GROUPS": groups,
         "EACH_GROUP(F)": " ".join(f"F({g});" for g in range(groups)),

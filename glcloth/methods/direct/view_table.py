@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from typing import Any
 
 import moderngl
 import numpy as np
 
-from ...gpu import shader
 from ...gpu.buffers import TextureBuffer
+from ...gpu.memo import Last
+from ...gpu.programs import Inputs, programs
 from . import broad_nodes
 
-BASIS_UNIT, FIXED_UNIT = 11, 12  # of passes/methods/view_table.comp
 BLOCK = 16  # directions that one invocation of passes/methods/view_table.comp makes
+Levels = tuple[tuple[int, float], ...]
 
 
 class ViewTable:
@@ -20,60 +21,48 @@ class ViewTable:
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
-        self.programs: dict[tuple, object] = {}
+        self.texture: moderngl.TextureArray | None = None
+        self._basis_map: moderngl.TextureArray | None = None
         self._fixed_data = TextureBuffer(ctx, 1 << 16)
-        self._texture = self._basis_map = self._levels = None
+        self._chosen: Last[dict[str, Any]] = Last()
 
-    def use(self, unit: int) -> None:
-        """Bind the table."""
-        self._texture.use(unit)
-
-    def make(self, size: int, levels: list, defines: dict, bind: Callable, record: np.ndarray) -> None:
+    def make(self, size: int, levels: Levels, defines: dict[str, Any], inputs: Inputs, record: np.ndarray) -> None:
         """Make the table.
 
         Parameters
         ----------
         size : texels a side, odd, so that the planes of the yarns, where upright tangents turn out of sight, lie on texels
         levels : of `broad_nodes.levels`; none: nothing is looked up, and what is there already serves
-        defines : how the tangents are packed (cloth/direct.py)
-        bind : gives a program the method's uniforms and the nodes of its lobes
+        defines : how the tangents are packed (Direct.variants)
+        inputs : the method's uniforms and the nodes of its lobes
         record : how the nodes of the fixed rule see the lobes, [3, 4]: share kept, sharpness, log2 of the amplitude
         """
-        if not levels and self._texture is not None:
+        if not levels and self.texture is not None:
             return
-        self._choose(levels or [(0, 1.0)])
-        if self._texture is None or self._texture.width != size or self._texture.layers < self._count:
-            self._texture = self._array(self._texture, size, self._count)
-        key = tuple(sorted(defines.items()))
-        if key not in self.programs:
-            self.programs[key] = shader.compute(self.ctx, "passes/methods/view_table.comp", defines)
-        program = self.programs[key]
-        bind(program)
+        levels = levels or ((0, 1.0),)
+        chosen = self._chosen.get(lambda: self._choose(levels), levels)
+        blocks = chosen["block_count"]
+        if self.texture is None or self.texture.width != size or self.texture.layers < BLOCK * blocks:
+            self.texture = self._array(self.texture, size, BLOCK * blocks)
         names = ("broad_kept", "broad_sharp", "broad_height")
-        values = {name: tuple(map(float, value)) for name, value in zip(names, record, strict=True)}
-        shader.set_uniforms(program, fixed_count=self._fixed, block_count=self._count // BLOCK, **values)
-        self._fixed_data.bind(FIXED_UNIT)
-        self._basis_map.use(BASIS_UNIT)
-        self._texture.bind_to_image(0, read=False, write=True)
-        tiles = -(-size // 8)
-        program.run(tiles, tiles, self._count // BLOCK)
-        self.ctx.memory_barrier(moderngl.TEXTURE_FETCH_BARRIER_BIT)
+        lobes = dict(zip(names, record, strict=True))
+        program = programs(self.ctx).compute("passes/methods/view_table.comp", defines)
+        program.run((size, size, blocks), inputs, chosen, lobes, basis_map=self._basis_map, view_table=self.texture)
 
-    def _choose(self, levels: list) -> None:
-        """Upload the directions' shares in light from between, where they are not there yet."""
-        if levels == self._levels:
-            return
-        self._levels = levels
-        parts = [part for _, part in levels]
+    def _choose(self, levels: Levels) -> dict[str, Any]:
+        """Upload the directions' shares in light from between."""
         rules = [broad_nodes.fixed_rule(level) for level, _ in levels]
-        weights = np.concatenate([part * rule[1] for part, rule in zip(parts, rules, strict=True)], 1)
+        weights = np.concatenate([part * rule[1] for (_, part), rule in zip(levels, rules, strict=True)], 1)
         omega = np.pad(rules[0][0], ((0, 0), (0, 1)))
-        self._fixed, self._count = weights.shape
         self._fixed_data.write(np.concatenate([omega.ravel(), weights.ravel()]).reshape(-1, 4).astype("f4"))
         maps = np.concatenate([part * broad_nodes.basis_map(level) for level, part in levels]).astype("f4")
         self._basis_map = self._array(self._basis_map, broad_nodes.BASIS_SIZE, len(maps), maps.tobytes())
+        fixed, count = weights.shape
+        return {"fixed_nodes": self._fixed_data, "fixed_count": fixed, "block_count": count // BLOCK}
 
-    def _array(self, old, size: int, layers: int, data: bytes | None = None) -> moderngl.TextureArray:
+    def _array(
+        self, old: moderngl.TextureArray | None, size: int, layers: int, data: bytes | None = None
+    ) -> moderngl.TextureArray:
         """A texture array in place of an old one."""
         if old is not None:
             old.release()
@@ -81,3 +70,10 @@ class ViewTable:
         texture.filter = moderngl.LINEAR, moderngl.LINEAR
         texture.repeat_x = texture.repeat_y = False
         return texture
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self._fixed_data.release()
+        for texture in (self.texture, self._basis_map):
+            if texture is not None:
+                texture.release()

@@ -8,9 +8,10 @@
 #include "trace/octahedron.glsl"
 #include "seen.glsl"
 
-const int NODE_COLUMNS = 64;   // glcloth/methods/direct/gaussian_nodes.py says the same
-const int ENTRY_TEXELS = 6;    // glcloth/methods/direct/method.py says the same
-const float MAP_SIZE = 160.0;   // glcloth/methods/direct/method.py says the same
+// glcloth/methods/direct reads these numbers here.
+const int NODE_COLUMNS = 64;
+const int ENTRY_TEXELS = 6;
+const float MAP_SIZE = 160.0;
 
 layout(binding = 8) uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean
 layout(binding = 9) uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule, or sun
@@ -47,7 +48,8 @@ int entry_after(int k, vec3 N) {
 struct Entry {
     vec3 light;    // radiance of the axis
     int V;         // number of its V
-    int node, last;  // rows of its rule
+    int node;      // first row of its rule,
+    int last;      // and the row of its mean
     vec3 xi;       // axis, surface frame
     vec2 e;        // its azimuth
     int column;    // of node_data

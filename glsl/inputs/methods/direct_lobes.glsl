@@ -3,8 +3,9 @@
 #include "direct/pool.glsl"
 #include "inputs/methods/direct_tangents.glsl"
 
-const int LOBE_COLUMNS = 64;   // glcloth/methods/direct/lobe_nodes.py says the same
-const int MAX_PHI_PAIRS = 8;    // glcloth/methods/direct/method.py says the same
+// glcloth/methods/direct reads these numbers here.
+const int LOBE_COLUMNS = 64;
+const int MAX_PHI_PAIRS = 8;
 
 layout(binding = 10) uniform samplerBuffer lobe_data;  // per pooled tangent: two texels, then rows of LOBE_COLUMNS
 uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta, their pairs in phi; at least 1 each

@@ -1,12 +1,12 @@
 // What a ray that met something brings back: a Lambertian's light, from the irradiance at the vertices about the hit.
-// Needs struct Visit from the pass that includes it; AROUND_CLOTH where there is more to meet than cloth.
+// Needs struct Visit from the pass that includes it; SEVERAL_SURFACES where there is more to meet than cloth.
 #include "core/math.glsl"
 layout(binding = 11) uniform samplerBuffer irradiance_data;  // two a vertex: of the front, of the back
 layout(binding = 12) uniform isamplerBuffer corner_index;    // three a triangle, in the order that hits are weighted in
 layout(binding = 13) uniform samplerBuffer vertex_data;      // three texels a vertex: position, normal, tangent
 uniform int cloth_triangles;     // triangles from here on are no cloth
 uniform vec3 radiance_per_irradiance;  // diffuse albedo / pi; 0: no bounce
-#ifdef AROUND_CLOTH
+#ifdef SEVERAL_SURFACES
 #include "inputs/visibility/ground_cell.glsl"
 #include "inputs/visibility/reflectance.glsl"
 uniform int first_of_ground;
@@ -23,7 +23,7 @@ vec3 ground_irradiance(vec3 x) {
 // [own]  Radiance that comes back along a ray from `origin`.
 vec3 bounced(Visit visit, vec3 origin, vec3 omega) {
     int t = int(visit.triangle);
-#ifdef AROUND_CLOTH
+#ifdef SEVERAL_SURFACES
     if (!bounces) return vec3(0.0);
     vec3 reflectance = t < cloth_triangles ? radiance_per_irradiance
         : texelFetch(reflectance_data, min(t - cloth_triangles, first_of_ground)).rgb / PI;

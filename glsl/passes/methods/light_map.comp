@@ -3,8 +3,8 @@
 #include "trace/octahedron.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 9) uniform samplerBuffer gaussian_data;  // pairs: (xi, sharpness), (radiance of the axis, -)
-layout(rgba32f, binding = 0) writeonly uniform image2D light_map;
+uniform samplerBuffer gaussian_data;  // pairs: (xi, sharpness), (radiance of the axis, -)
+layout(rgba32f) writeonly uniform image2D light_map;
 uniform int gaussian_count;
 
 void main() {

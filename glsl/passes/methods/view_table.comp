@@ -5,9 +5,9 @@
 #include "core/disk.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
-layout(binding = 11) uniform sampler2DArray basis_map;   // B over the hemisphere as a disk, four a layer
-layout(binding = 12) uniform samplerBuffer fixed_nodes;  // a rule over the hemisphere: directions; then B times weights, four a texel
-layout(rgba32f, binding = 0) writeonly uniform image2DArray view_table;
+uniform sampler2DArray basis_map;   // B over the hemisphere as a disk, four a layer
+uniform samplerBuffer fixed_nodes;  // a rule over the hemisphere: directions; then B times weights, four a texel
+layout(rgba32f) writeonly uniform image2DArray view_table;
 uniform int fixed_count;
 uniform int block_count;
 uniform vec4 broad_kept, broad_sharp, broad_height;  // as entry_kept, ...
