@@ -12,7 +12,6 @@ import numpy as np
 
 from ..accel.structure import Structure, tracing
 from ..geometry.mesh import Mesh
-from ..gpu import shader
 from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer
 from ..gpu.memo import Last, same
@@ -220,7 +219,7 @@ class PixelView:
     def _vertex_inputs(self) -> dict[str, Any]:
         """What passes read that bring values of the vertices to the pixels."""
         assert self.buffer.drawn is not None
-        return self.buffer.inputs() | {"corner_index": self.buffer.drawn[0].indices}
+        return self.buffer.inputs() | {"corner_index": self.buffer.drawn.mesh.indices}
 
     def edges(self, seconds: float = PATIENCE) -> Iterator[int]:
         """Send rays into the narrow Gaussians from those pixels whose triangles' corners do not agree on what they see of
@@ -285,19 +284,6 @@ class PixelView:
         for thing in (self.seen, self._bounced, self._sun_data, self._edge_data):
             if thing is not None:
                 thing.release()
-
-
-# For programs that are not bound by name yet.
-UNITS = {"seen": 2, "views": 14, "bounced_light": 15}
-
-
-def bind_numbered(program, inputs: dict[str, Any]) -> None:
-    """Bind the `inputs` of a view for a program with numbers in its GLSL."""
-    for name, value in inputs.items():
-        if name in UNITS:
-            value.use(UNITS[name])
-        else:
-            shader.set_uniforms(program, **{name: tuple(map(float, value)) if name == "albedo" else value})
 
 
 def edge_layers(
