@@ -6,7 +6,6 @@ A cloth alone has the bounce of inputs/visibility/seen_pixels.glsl, which needs 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Protocol
 
 import moderngl
 import numpy as np
@@ -15,15 +14,10 @@ from ..accel.structure import tracing
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import same
 from ..gpu.programs import programs
+from ..gpu.scene_buffers import SceneBuffers
 from .hit_vertices import HitVertices
 from .irradiance import irradiance_table
 from .pixels import PixelVisibility
-
-
-class LightSource(Protocol):
-    """Lights on the GPU, as inputs/picture/lights.glsl reads them."""
-
-    def inputs(self) -> dict[str, Any]: ...
 
 
 class Bounce:
@@ -36,7 +30,7 @@ class Bounce:
         self._reflectances = TextureBuffer(ctx, 16)
         self._key: tuple | None = None
 
-    def gather(self, surfaces: Sequence[tuple[PixelVisibility, np.ndarray]], source: LightSource) -> Iterator[None]:
+    def gather(self, surfaces: Sequence[tuple[PixelVisibility, np.ndarray]], source: SceneBuffers) -> Iterator[None]:
         """Find what comes back to the vertices under the present lights, a part at a time; nothing when it is known.
 
         Parameters
@@ -49,8 +43,7 @@ class Bounce:
             (visibility, visibility.vertices.version, share.tobytes() if share.ndim == 1 else share)
             for visibility, share in surfaces
         )
-        key = *key, surfaces[0][0].structure
-        if self._key is not None and same(self._key, key):
+        if same(self._key, (key, surfaces[0][0].structure)):
             return
         self._key = None
         self._radiance.reserve(32 * self.hit_vertices.vertex_count)
@@ -60,31 +53,20 @@ class Bounce:
         for visibility, _ in surfaces:
             visibility.vertices.gather(self._radiance)
             yield
-        self._key = key
+        self._key = key, surfaces[0][0].structure
 
-    def _send_back(self, number: int, visibility: PixelVisibility, share: np.ndarray, source: LightSource) -> None:
+    def _send_back(self, number: int, visibility: PixelVisibility, share: np.ndarray, source: SceneBuffers) -> None:
         """Make the radiance that the vertices of surface `number` send back."""
         hit, vertices = self.hit_vertices, visibility.vertices
         first, end = hit.first_vertex[number : number + 2]
         each = share.ndim > 1
         if each:
             self._reflectances.write(share)
-        program = programs(self.ctx).compute(
-            "passes/visibility/bounce_radiance.comp", None, tracing(visibility.structure)
-        )
-        program.run(
-            end - first,
-            visibility.structure.inputs(),
-            source.inputs(),
-            irradiance_table(self.ctx, visibility.lights),
-            hit.inputs(),
-            mean_data=vertices.means,
-            reflectance_data=self._reflectances,
-            Radiance=self._radiance,
-            first_item=first,
-            vertex_count=end - first,
-            group_count=vertices.groups,
-            offset=hit.offset,
-            own_reflectance=each,
-            reflectance=np.zeros(3) if each else share,
-        )
+        virtual = tracing(visibility.structure)
+        program = programs(self.ctx).compute("passes/visibility/bounce_radiance.comp", None, virtual)
+        inputs = visibility.structure.inputs() | source.inputs() | hit.inputs()
+        inputs |= irradiance_table(self.ctx, visibility.lights)
+        inputs |= {"mean_data": vertices.means, "group_count": vertices.groups, "reflectance_data": self._reflectances}
+        own = {"own_reflectance": each, "reflectance": np.zeros(3) if each else share}
+        items = {"first_item": first, "vertex_count": end - first, "offset": hit.offset}
+        program.run(end - first, inputs, own, items, Radiance=self._radiance)

@@ -2,32 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
-
 import moderngl
 import numpy as np
 
-from ..fabric import Fabric
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.memo import Last
 from ..gpu.programs import programs
+from ..gpu.scene_buffers import SceneBuffers
 
 ALBEDO_VIEWS, ALBEDO_LIGHTS = 64, 256  # directions
 VIEWS = 24, 12  # azimuths and cosines of a viewer
 LIGHTS = 1536  # directions, for each of these
 
 
-class FabricSource(Protocol):
-    """A fabric on the GPU, as inputs/picture/fabric.glsl reads it."""
-
-    @property
-    def fabric(self) -> Fabric | None: ...
-
-    def inputs(self) -> dict[str, Any]: ...
-
-
 class Furnace:
-    """Keeps what was found of the last fabric."""
+    """Keeps what was found of the last fabric; `source` has the fabric on the GPU."""
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
@@ -36,11 +25,11 @@ class Furnace:
         self._directions: Last[TextureBuffer] = Last()  # of `albedo`
         self._lights: Last[TextureBuffer] = Last()  # of `views`
 
-    def albedo(self, source: FabricSource) -> np.ndarray:
+    def albedo(self, source: SceneBuffers) -> np.ndarray:
         """The reflected share [3] of light that comes evenly from everywhere, in the mean over all views by their cosine."""
         return self._albedo.get(lambda: self._measure_albedo(source), source.fabric)
 
-    def _measure_albedo(self, source: FabricSource) -> np.ndarray:
+    def _measure_albedo(self, source: SceneBuffers) -> np.ndarray:
         directions = (_cosine_directions(ALBEDO_VIEWS), even_directions(ALBEDO_LIGHTS))
         points = self._directions.get(lambda: _texels(self.ctx, *directions))
         results = Buffer(self.ctx, 16 * ALBEDO_VIEWS)
@@ -51,12 +40,12 @@ class Furnace:
         results.release()
         return np.clip(radiance.mean(0), 0.0, 1.0)
 
-    def views(self, source: FabricSource) -> moderngl.TextureArray:
+    def views(self, source: SceneBuffers) -> moderngl.TextureArray:
         """The radiance toward each viewer, and how much that follows the light's direction, as
         inputs/visibility/seen_occluders.glsl reads them."""
         return self._views.get(lambda: self._measure_views(source), source.fabric)
 
-    def _measure_views(self, source: FabricSource) -> moderngl.TextureArray:
+    def _measure_views(self, source: SceneBuffers) -> moderngl.TextureArray:
         points = self._lights.get(lambda: _texels(self.ctx, even_directions(LIGHTS)))
         texture = self._views.value
         if texture is None:

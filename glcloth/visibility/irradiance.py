@@ -16,23 +16,15 @@ from ..twins.lambert import gaussian_irradiance
 STEPS = 256  # over the cosine from -1 to 1: linear between them it errs by 1e-4 of a light's flux
 
 
-class IrradianceTable:
-    """The table of the last lights."""
-
+class _Table:
     def __init__(self, ctx: moderngl.Context):
-        self._table = TextureBuffer(ctx, 16, "r32f")
-        self._written: Last[None] = Last()
-
-    def inputs(self, lights: Lights) -> dict[str, Any]:
-        """The table, written when the widths of the lights change."""
-        self._written.get(lambda: self._write(lights), lights.gaussians.sharpness.tobytes())
-        return {"irradiance_table": self._table}
-
-    def _write(self, lights: Lights) -> None:
-        cos = np.linspace(-1.0, 1.0, STEPS + 1)
-        self._table.write(gaussian_irradiance(lights.gaussians.sharpness[:, None], cos).astype("f4"))
+        self.buffer = TextureBuffer(ctx, 16, "r32f")
+        self.written: Last[None] = Last()
 
 
 def irradiance_table(ctx: moderngl.Context, lights: Lights) -> dict[str, Any]:
-    """The table for some lights, by its name in GLSL."""
-    return of_context(IrradianceTable, ctx).inputs(lights)
+    """The table for some lights by its name in GLSL; one for a context, written when the widths of the lights change."""
+    table, sharpness = of_context(_Table, ctx), lights.gaussians.sharpness
+    values = sharpness[:, None], np.linspace(-1.0, 1.0, STEPS + 1)
+    table.written.get(lambda: table.buffer.write(gaussian_irradiance(*values).astype("f4")), sharpness.tobytes())
+    return {"irradiance_table": table.buffer}

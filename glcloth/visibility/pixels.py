@@ -16,10 +16,11 @@ from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer
 from ..gpu.memo import Last, same
 from ..gpu.programs import programs
+from ..gpu.scene_buffers import SceneBuffers
 from ..light.lights import Lights, SphericalGaussians
 from ..settings import ShadowMode
 from ..twins.visibility import own_directions
-from .furnace import FabricSource, Furnace
+from .furnace import Furnace
 from .hit_vertices import HitVertices
 from .vertices import FEWEST, FLAT, NARROW, VertexVisibility, broad_number, sun_number, top_number
 
@@ -148,7 +149,7 @@ class PixelVisibility:
 
     # -- how much a fabric reflects ----------------------------------------------------------------------------------
 
-    def inputs(self, fabric: FabricSource) -> dict[str, Any]:
+    def inputs(self, fabric: SceneBuffers) -> dict[str, Any]:
         """What the bounce asks of the fabric of this mesh, by its names in GLSL."""
         if self.mode != "full" or not self.bounce:
             return {"albedo": np.zeros(3)}
@@ -204,22 +205,21 @@ class PixelView:
     def _fill(self, seen: moderngl.TextureArray, sun_layer: int) -> None:
         visibility, buffer = self.visibility, self.buffer
         self._edges_done = 0
-        programs(self.ctx).compute("passes/visibility/pixels.comp").run(
-            buffer.size,
-            buffer.inputs(),
-            mean_data=visibility.vertices.means,
-            corner_index=buffer.drawn.mesh.indices,
-            seen=seen,
-            group_count=sun_layer,
-            everything=visibility.mode != "full",
-        )
+        program = programs(self.ctx).compute("passes/visibility/pixels.comp")
+        numbers = {"group_count": sun_layer, "everything": visibility.mode != "full"}
+        program.run(buffer.size, self._vertex_inputs(), numbers, mean_data=visibility.vertices.means, seen=seen)
         suns = visibility.lights.suns
         if len(suns):
             self._sun_data.write(_texels(suns.direction))
             program = programs(self.ctx).compute("passes/visibility/suns.comp", None, tracing(visibility.structure))
+            inputs = visibility.structure.inputs() | buffer.inputs()
             numbers = {"sun_count": len(suns), "first_layer": sun_layer}
-            inputs = visibility.structure.inputs(), buffer.inputs(), numbers
-            program.run(buffer.size, *inputs, sun_data=self._sun_data, seen=seen)
+            program.run(buffer.size, inputs, numbers, sun_data=self._sun_data, seen=seen)
+
+    def _vertex_inputs(self) -> dict[str, Any]:
+        """What passes read that bring values of the vertices to the pixels."""
+        assert self.buffer.drawn is not None
+        return self.buffer.inputs() | {"corner_index": self.buffer.drawn.mesh.indices}
 
     def edges(self, seconds: float = PATIENCE) -> Iterator[int]:
         """Send rays into the narrow Gaussians from those pixels whose triangles' corners do not agree on what they see of
@@ -231,29 +231,23 @@ class PixelView:
 
         Yields how many tiles of the picture are done.
         """
-        visibility, buffer = self.visibility, self.buffer
-        width, height = (-(-side // TILE) for side in buffer.size)
+        visibility = self.visibility
+        width, height = (-(-side // TILE) for side in self.buffer.size)
+        if visibility.mode != "full" or visibility.follow or self._edges_done >= width * height:
+            return
         layers, directions = edge_layers(visibility.lights.gaussians, self._sample)
-        if visibility.mode != "full" or visibility.follow or not layers or self._edges_done >= width * height:
+        if not layers:
             return
         self._edge_data.write(_texels(directions.reshape(-1, 3)))
         program = programs(self.ctx).compute("passes/visibility/narrow.comp", None, tracing(visibility.structure))
+        inputs = visibility.structure.inputs() | self._vertex_inputs()
+        inputs |= {"mean_data": visibility.vertices.means, "group_count": visibility.vertices.groups, "seen": self.seen}
+        inputs |= {"direction_data": self._edge_data, "direction_count": directions.shape[1], "row_tiles": width}
         count = FEWEST_TILES
         while self._edges_done < width * height:
             begin = time.perf_counter()
             count = min(count, width * height - self._edges_done)
-            program.bind(
-                visibility.structure.inputs(),
-                buffer.inputs(),
-                mean_data=visibility.vertices.means,
-                corner_index=buffer.drawn.mesh.indices,
-                direction_data=self._edge_data,
-                direction_count=directions.shape[1],
-                seen=self.seen,
-                group_count=visibility.vertices.groups,
-                first_tile=self._edges_done,
-                row_tiles=width,
-            )
+            program.bind(inputs, first_tile=self._edges_done)
             for layer, begins in layers:
                 program.run_groups(count, layer=layer, begin=begins)
             self.ctx.finish()
@@ -272,15 +266,12 @@ class PixelView:
         if self._bounced is None:
             self._bounced = self.ctx.texture_array((*buffer.size, 2), 4, dtype="f2")
             self._bounced.filter = moderngl.NEAREST, moderngl.NEAREST
-        names = {"mean_data": vertices.bounced, "bounced_light": self._bounced}
+        own = {"mean_data": vertices.bounced, "bounced_light": self._bounced}
         program = programs(self.ctx).compute("passes/visibility/bounce_pixels.comp")
+        key = buffer.drawn, vertices.bounced_version
+        self._bounce_resolved.get(lambda: program.run(buffer.size, self._vertex_inputs(), own), *key)
 
-        def fill() -> None:
-            program.run(buffer.size, buffer.inputs(), names, corner_index=buffer.drawn.mesh.indices)
-
-        self._bounce_resolved.get(fill, buffer.drawn, vertices.bounced_version)
-
-    def inputs(self, fabric: FabricSource | None = None) -> dict[str, Any]:
+    def inputs(self, fabric: SceneBuffers | None = None) -> dict[str, Any]:
         """What passes that shade these pixels read, by its names in GLSL: of inputs/visibility/lit_means.glsl, and with
         the `fabric` of the mesh of `PixelVisibility.source`."""
         names = {"seen": self.seen, "over_ground": self.visibility.over_ground, **self._numbers}

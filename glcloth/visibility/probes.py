@@ -170,7 +170,7 @@ def _classes(graph, classes: int) -> np.ndarray:
     rows = np.repeat(np.arange(count), np.diff(graph.indptr))
     for sweep in range(12):
         at = rows * classes + kind[graph.indices]
-        crowd = np.bincount(at, graph.data, count * classes).reshape(count, classes)
+        crowd = np.bincount(at, graph.data, count * classes).reshape(count, classes).astype(float)
         crowd += 0.01 * random.random((count, classes))
         best = crowd.argmin(1)
         # Not all at once, or neighbours would change places for ever.
@@ -244,7 +244,7 @@ def _interpolation(graph, kept: np.ndarray, points: np.ndarray):
     distance = np.linalg.norm(points[near.row] - points[kept[near.col]], axis=1)
     rows = np.repeat(np.arange(count), np.diff(graph.indptr))
     mean = np.bincount(rows, np.linalg.norm(points[rows] - points[graph.indices], axis=1), count)
-    mean /= np.maximum(np.diff(graph.indptr), 1)
+    mean = mean / np.maximum(np.diff(graph.indptr), 1)
     # A kept node takes itself alone, by a weight that nothing comes near.
     weight = np.maximum(1.0 - distance / (2.5 * mean[near.row] + 1e-30), 1e-3) ** 2
     itself = column[near.row] >= 0

@@ -160,18 +160,13 @@ class VertexVisibility:
 
     def _trace(self, first: int, last: int) -> None:
         """Trace directions number first to last - 1 of every class, all in one word of bits."""
-        names = {
-            "class_directions": len(self._traced[0]),
-            "first_direction": first,
-            "last_direction": last,
-            "Bits": self._data["bit_data"],
-        }
-        if self.hit_vertices is not None and last <= self.share:
-            program = programs(self.ctx).compute("passes/visibility/hits.comp", None, tracing(self._structure))
-            names |= self.hit_vertices.inputs() | {"Hits": self._data["hit_data"]}
-        else:
-            program = programs(self.ctx).compute("passes/visibility/trace.comp", None, tracing(self._structure))
-        self._run_classes(program, names | self._structure.inputs())
+        hits = self.hit_vertices if last <= self.share else None
+        path = "passes/visibility/trace.comp" if hits is None else "passes/visibility/hits.comp"
+        program = programs(self.ctx).compute(path, None, tracing(self._structure))
+        outputs = {"Bits": self._data["bit_data"], "Hits": self._data["hit_data"]}
+        inputs = self._structure.inputs() | outputs | ({} if hits is None else hits.inputs())
+        part = {"first_direction": first, "last_direction": last}
+        self._run_classes(program, inputs, class_directions=len(self._traced[0]), **part)
 
     def step(self, count: int = WORD) -> int:
         """Trace at most `count` more directions of each probe; returns how many."""
@@ -231,13 +226,9 @@ class VertexVisibility:
         data["sum_data"].reserve(32 * self.groups * len(self.probes.points))
         self.means.reserve(8 * self.groups * vertices)
         self._write_entries(tables)
-        self._run_classes(
-            programs(self.ctx).compute("passes/visibility/mean.comp"),
-            layers=first_broad,
-            Sums=data["sum_data"],
-            group_count=self.groups,
-            steepness=self.steepness,
-        )
+        program = programs(self.ctx).compute("passes/visibility/mean.comp")
+        sizes = {"last_item": vertices, "group_count": self.groups, "steepness": self.steepness}
+        self._run_classes(program, sizes, first_broad, Sums=data["sum_data"])
         sums = sum(table.sum(0) for table in tables)
         if broad is not None:
             there = self._sum_broad(lights, broad, first_broad, above)
@@ -245,7 +236,6 @@ class VertexVisibility:
             sums[top_number(len(lights.gaussians))] = BROAD_PART * there
         data["least_data"].write(np.where(sums > 0.0, LEAST * sums, 1.0).astype("f4"))
         program = programs(self.ctx).compute("passes/visibility/spread.comp")
-        sizes = {"last_item": vertices, "group_count": self.groups}
         program.run((vertices, self.groups), data, sizes, Means=self.means)
         self.version += 1
 
@@ -274,15 +264,10 @@ class VertexVisibility:
         records = np.zeros((DIRECTIONS, 4), "f4")
         records[:, :3], records[:, 3] = self.directions, weight
         self._data["light_data"].write(records)
-        self._run_classes(
-            programs(self.ctx).compute("passes/visibility/broad.comp"),
-            Sums=self._data["sum_data"],
-            group=first_broad,
-            top_number=top_number(len(gaussians)),
-            group_count=self.groups,
-            share=self.share,
-            direction_count=self.done,
-        )
+        program = programs(self.ctx).compute("passes/visibility/broad.comp")
+        numbers = {"group": first_broad, "top_number": top_number(len(gaussians)), "group_count": self.groups}
+        counts = {"share": self.share, "direction_count": self.done}
+        self._run_classes(program, numbers | counts, Sums=self._data["sum_data"])
         return float(used.sum())  # a view: scaled, too
 
     def _table(self, c: int, lights: Lights, sharp: bool) -> np.ndarray:
@@ -311,17 +296,12 @@ class VertexVisibility:
         vertices = self.probes.spread.shape[0]
         self._bounce_sums.reserve(64 * len(self.probes.points))
         self.bounced.reserve(64 * vertices)
-        self._run_classes(
-            programs(self.ctx).compute("passes/visibility/bounce_gather.comp"),
-            radiance_data=radiance,
-            Sums=self._bounce_sums,
-            class_directions=len(self._traced[0]),
-            direction_count=self.done,
-            steepness=self.steepness,
-        )
+        counts = {"class_directions": len(self._traced[0]), "direction_count": self.done, "steepness": self.steepness}
+        program = programs(self.ctx).compute("passes/visibility/bounce_gather.comp")
+        self._run_classes(program, counts, radiance_data=radiance, Sums=self._bounce_sums)
         program = programs(self.ctx).compute("passes/visibility/bounce_spread.comp")
-        names = {"Means": self.bounced, "vertex_count": vertices}
-        program.run(vertices, self._data, names, sum_data=self._bounce_sums)
+        own = {"sum_data": self._bounce_sums, "Means": self.bounced}
+        program.run(vertices, self._data, own, vertex_count=vertices)
         self.bounced_version += 1
 
     # -- reading back ------------------------------------------------------------------------------------------------
@@ -356,8 +336,9 @@ class VertexVisibility:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (*self._data.values(), self._bounce_sums, self.means, self.bounced, self._queries):
-            thing.release()
+        for buffer in (*self._data.values(), self._bounce_sums, self.means, self.bounced):
+            buffer.release()
+        self._queries.release()
 
 
 def top_number(gaussians: int) -> int:

@@ -4,20 +4,25 @@ import shlex
 
 import numpy as np
 import pytest
-from test_shadows import sheet
+from test_shadows import joined, sheet
 
 from glcloth.accel.ground import OverGround
 from glcloth.accel.lbvh import Lbvh
 from glcloth.accel.queries import RayQueries
 from glcloth.accel.triangles import Triangles, rotated_corners
 from glcloth.errors import InputError
+from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import BALL, PLINTH, TABLE, build_mesh, load_mesh, load_solid
 from glcloth.geometry.props import RINGS, SECTORS, Ground, Objects, stand_on
+from glcloth.gpu.scene_buffers import SceneBuffers
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.scene import Scene, load_scene
 from glcloth.twins.ground import ground_place
 from glcloth.twins.lambert import gaussian_irradiance
+from glcloth.visibility.bounce import Bounce
+from glcloth.visibility.hit_vertices import HitSurface
+from glcloth.visibility.pixels import Occluders, PixelVisibility
 from glcloth.window.sharing import as_command, as_python
 
 COLOR = (0.4, 0.3, 0.2)
@@ -209,6 +214,46 @@ def test_the_cloth_lights_the_ground(renderer):
     gain = with_bounce[0][12, 12] / without[12, 12]
     assert (gain > 1.02).all()
     assert np.abs(with_bounce[1] - with_bounce[0]).mean() < 0.015 * with_bounce[0].mean()
+
+
+def bounced_by(ctx, meshes, shares):
+    """What comes back to the vertices [V, 4, 4] of several cloths in sight of each other."""
+    structure, scene, bounce = Lbvh(ctx), SceneBuffers(ctx), Bounce(ctx)
+    structure.build(Triangles.of(ctx, np.concatenate([mesh.positions[mesh.triangles] for mesh in meshes])))
+    scene.prepare(load_fabric("linen"), MIXED)
+    bounce.hit_vertices.prepare([HitSurface(mesh, mesh) for mesh in meshes], structure.triangles)
+    cloths = []
+    for mesh in meshes:
+        others = tuple(other for other in meshes if other is not mesh)
+        cloths.append(PixelVisibility(ctx))
+        occluders = Occluders(others, False, bounce.hit_vertices)
+        cloths[-1].prepare("full", mesh, mesh, structure, MIXED, True, occluders)
+        for _ in cloths[-1].steps():
+            pass
+        cloths[-1].integrate(None)
+    surfaces = list(zip(cloths, shares, strict=True))
+    for _ in bounce.gather(surfaces, scene):
+        pass
+    assert not list(bounce.gather(surfaces, scene)), "known"
+    data = [c.vertices.bounced.read(64 * len(m.positions)) for c, m in zip(cloths, meshes, strict=True)]
+    return np.frombuffer(b"".join(data), "f4").reshape(-1, 4, 4)
+
+
+def test_cloths_light_each_other_as_parts_of_one_mesh_do(ctx):
+    """Each has its own reflectance, one of all its vertices or one for each."""
+    low, high = sheet(6), sheet(9, height=0.4, size=0.8)
+    gray, red = np.array([0.5, 0.5, 0.5]), np.array([0.7, 0.2, 0.1])
+    count = len(low.positions), len(high.positions)
+    each = np.zeros((sum(count), 4), "f4")
+    each[:, :3] = np.repeat([gray, red], count, 0)
+    one = bounced_by(ctx, [joined(low, high)], [each])
+    two = bounced_by(ctx, [low, high], [gray, each[count[0] :]])
+    assert np.abs(two - one).max() < 2e-3 * one.max()
+    assert (two[count[0] :, 2, 0] > 0.1 * one.max()).any()  # the upper one's back gets light from below
+    # Now the upper one is gray too: the front of the lower one gets another colour.
+    changed = bounced_by(ctx, [low, high], [gray, gray])
+    assert np.array_equal(changed[count[0] :, 2], two[count[0] :, 2])
+    assert changed[: count[0], 0, 2].max() > 2 * two[: count[0], 0, 2].max()
 
 
 def test_from_below_the_ground_is_not_there(renderer):

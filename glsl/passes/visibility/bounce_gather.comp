@@ -1,17 +1,17 @@
 #version 430
 // What the probes get back from what their rays met, summed; and the weights of all their directions.   [own]
 // No rays: this runs whenever the lights change.
-layout(local_size_x = 64) in;                            // and a row of groups for each class
+layout(local_size_x = 64) in;         // and a row of groups for each class
 uniform usamplerBuffer hit_data;      // passes/visibility/hits.comp
-uniform samplerBuffer radiance_data; // passes/visibility/bounce_radiance.comp
+uniform samplerBuffer radiance_data;  // passes/visibility/bounce_radiance.comp
 uniform samplerBuffer probe_data;
 uniform samplerBuffer direction_data;
 layout(std430) writeonly buffer Sums { vec4 sums[]; };  // of a probe front and back: radiance, weight; luminance x direction
-uniform int first_probe[9];  // of each class, and the one after the last
+uniform int first_probe[9];           // of each class, and the one after the last
 uniform int probe_count;
-uniform int class_directions;    // directions of each class in direction_data,
-uniform int direction_count; // and how many of them are traced
-uniform float steepness;     // of the weight of directions
+uniform int class_directions;         // directions of each class in direction_data,
+uniform int direction_count;          // and how many of them are traced
+uniform float steepness;              // of the weight of directions
 
 void main() {
     int i = first_probe[gl_WorkGroupID.y] + int(gl_GlobalInvocationID.x);

@@ -3,7 +3,7 @@
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-uniform samplerBuffer mean_data;      // passes/visibility/bounce_spread.comp
+uniform samplerBuffer mean_data;  // passes/visibility/bounce_spread.comp
 uniform isamplerBuffer corner_index;
 layout(rgba16f) writeonly uniform image2DArray bounced_light;  // radiance; luminance x direction, world
 

@@ -7,16 +7,16 @@
 #include "inputs/accel/visit_any.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
-uniform usamplerBuffer mean_data;         // passes/visibility/spread.comp
-uniform samplerBuffer vertex_data;        // three texels a vertex: position and normal, each with a lift; tangent
-uniform samplerBuffer reflectance_data;   // of these vertices, if `own_reflectance`
+uniform usamplerBuffer mean_data;        // passes/visibility/spread.comp
+uniform samplerBuffer vertex_data;       // three texels a vertex: position and normal, each with a lift; tangent
+uniform samplerBuffer reflectance_data;  // of these vertices, if `own_reflectance`
 layout(std430) writeonly buffer Radiance { vec4 radiance[]; };  // of a vertex front and back
-uniform int first_item;   // vertex
-uniform int vertex_count; // from there on, and from the beginning of mean_data and reflectance_data
+uniform int first_item;                  // vertex
+uniform int vertex_count;                // from there on, and from the beginning of mean_data and reflectance_data
 uniform int group_count;
-uniform float offset;     // how far from the vertex rays start, beyond its own lift
+uniform float offset;                    // how far from the vertex rays start, beyond its own lift
 uniform bool own_reflectance;
-uniform vec3 reflectance;  // else
+uniform vec3 reflectance;                // else
 
 void main() {
     int i = int(gl_GlobalInvocationID.x);

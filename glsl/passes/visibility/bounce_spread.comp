@@ -1,7 +1,7 @@
 #version 430
 // Mean radiance that comes back to the vertices, front and back: that of the probes about them.   [own]
 layout(local_size_x = 64) in;
-uniform samplerBuffer sum_data;       // passes/visibility/bounce_gather.comp
+uniform samplerBuffer sum_data;      // passes/visibility/bounce_gather.comp
 uniform usamplerBuffer row_data;     // of a vertex: first term, the one after the last
 uniform usamplerBuffer spread_data;  // terms: probe, weight as float
 layout(std430) writeonly buffer Means { vec4 means[]; };  // of a vertex front and back: radiance; luminance x direction

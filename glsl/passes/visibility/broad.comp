@@ -2,19 +2,19 @@
 // What the probes see of the broad light, in the parts of their surface frame: seen, and all there is.   [own]
 // No rays: this runs whenever the lights change or turn. Twin: glcloth/twins/visibility.py broad_sums
 #include "trace/visibility.glsl"
-layout(local_size_x = 64) in;                           // and a row of groups for each class
-uniform usamplerBuffer bit_data;    // passes/visibility/trace.comp
+layout(local_size_x = 64) in;      // and a row of groups for each class
+uniform usamplerBuffer bit_data;   // passes/visibility/trace.comp
 uniform samplerBuffer light_data;  // of the directions: D_j, how much light comes from there
 uniform samplerBuffer probe_data;
 uniform samplerBuffer x_data;      // yarn 1 at the probes, and the handedness
 layout(std430) buffer Sums { uvec4 sums[]; };  // as in passes/visibility/mean.comp
-uniform int first_probe[9];  // of each class, and the one after the last
+uniform int first_probe[9];        // of each class, and the one after the last
 uniform int probe_count;
-uniform int group;           // of the low band; the middle one follows
-uniform int top_number;      // where the top's sums lie among those of the Gaussians
+uniform int group;                 // of the low band; the middle one follows
+uniform int top_number;            // where the top's sums lie among those of the Gaussians
 uniform int group_count;
-uniform int share;           // how many directions of light_data each class has,
-uniform int direction_count; // and how many of them are traced
+uniform int share;                 // how many directions of light_data each class has,
+uniform int direction_count;       // and how many of them are traced
 
 void main() {
     int i = first_probe[gl_WorkGroupID.y] + int(gl_GlobalInvocationID.x);

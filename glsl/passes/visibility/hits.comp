@@ -5,18 +5,18 @@
 #include "inputs/accel/visit_closest.glsl"
 #include "accel.glsl"
 #include "inputs/visibility/ground_cell.glsl"
-layout(local_size_x = 64) in;                               // and a row of groups for each class
+layout(local_size_x = 64) in;          // and a row of groups for each class
 uniform isamplerBuffer corner_index;   // three a triangle, in the order that hits are weighted in
 uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
 uniform samplerBuffer direction_data;  // toward the light
 uniform samplerBuffer vertex_data;     // three texels a vertex: position, normal, tangent
-layout(std430) buffer Bits { uint bits[]; };   // word by word: those of all probes, one after the other
+layout(std430) buffer Bits { uint bits[]; };  // word by word: those of all probes, one after the other
 layout(std430) writeonly buffer Hits { uint hits[]; };  // direction by direction: twice the vertex, 1 more for its back
-uniform int first_probe[9];  // of each class, and the one after the last
+uniform int first_probe[9];            // of each class, and the one after the last
 uniform int probe_count;
-uniform int class_directions;  // how many directions each class has
+uniform int class_directions;          // how many directions each class has
 uniform int first_direction;
-uniform int last_direction;  // the one after the last
+uniform int last_direction;            // the one after the last
 
 uint hit_vertex(Visit visit, vec3 origin, vec3 omega) {
     if (visit.triangle == NO_TRIANGLE) return 0xffffffffu;

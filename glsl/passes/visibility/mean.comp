@@ -2,16 +2,16 @@
 // What the probes see, summed with the weights of four Gaussians; and the weights.   [own]
 // No rays: this runs whenever the lights change or turn. Twin: glcloth/twins/visibility.py mean_visibility
 #include "trace/visibility.glsl"
-layout(local_size_x = 64) in;                            // and a row of groups for each class, a layer for each four Gaussians
-uniform usamplerBuffer bit_data;     // passes/visibility/trace.comp
+layout(local_size_x = 64) in;       // and a row of groups for each class, a layer for each four Gaussians
+uniform usamplerBuffer bit_data;    // passes/visibility/trace.comp
 uniform samplerBuffer entry_data;   // what counts for the four: D_j, j; their G_kj
 uniform samplerBuffer probe_data;
 uniform isamplerBuffer range_data;  // of a class and four: first entry, the one after the last
 layout(std430) writeonly buffer Sums { uvec4 sums[]; };  // packed_sums of a probe, front and back
-uniform int first_probe[9];  // of each class, and the one after the last
+uniform int first_probe[9];         // of each class, and the one after the last
 uniform int probe_count;
 uniform int group_count;
-uniform float steepness;     // of the weight of directions: 8 for cloth, 1 is the cosine
+uniform float steepness;            // of the weight of directions: 8 for cloth, 1 is the cosine
 
 void main() {
     int i = first_probe[gl_WorkGroupID.y] + int(gl_GlobalInvocationID.x);

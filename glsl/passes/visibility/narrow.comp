@@ -6,15 +6,15 @@
 #include "inputs/accel/visit_any.glsl"
 #include "accel.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-uniform usamplerBuffer mean_data;    // passes/visibility/spread.comp
+uniform usamplerBuffer mean_data;      // passes/visibility/spread.comp
 uniform isamplerBuffer corner_index;
 uniform samplerBuffer direction_data;  // equal shares of each Gaussian
 layout(rgba8) uniform image2DArray seen;
-uniform int group_count;     // of mean_data
-uniform int layer;           // of `seen`, and group of mean_data
-uniform ivec4 begin;         // of each Gaussian's directions; below 0: none
-uniform int direction_count; // of each
-uniform int first_tile;      // of the picture, row by row
+uniform int group_count;               // of mean_data
+uniform int layer;                     // of `seen`, and group of mean_data
+uniform ivec4 begin;                   // of each Gaussian's directions; below 0: none
+uniform int direction_count;           // of each
+uniform int first_tile;                // of the picture, row by row
 uniform int row_tiles;
 
 const int FIRST = 5;       // rays that may tell that there is no edge

@@ -3,11 +3,11 @@
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-uniform usamplerBuffer mean_data;     // of a vertex front and back, of a side the groups of four
+uniform usamplerBuffer mean_data;  // of a vertex front and back, of a side the groups of four
 uniform isamplerBuffer corner_index;
 layout(rgba8) writeonly uniform image2DArray seen;  // as inputs/visibility/seen_layers.glsl reads it
 uniform int group_count;
-uniform bool everything;  // nothing is hidden but from the suns
+uniform bool everything;           // nothing is hidden but from the suns
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

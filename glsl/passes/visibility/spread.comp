@@ -1,13 +1,13 @@
 #version 430
 // Means at the vertices: what the probes about them see over what there is to see, four Gaussians at a time.   [own]
 #include "trace/visibility.glsl"
-layout(local_size_x = 64) in;                             // and a row of groups for each four Gaussians
-uniform usamplerBuffer sum_data;      // passes/visibility/mean.comp
+layout(local_size_x = 64) in;        // and a row of groups for each four Gaussians
+uniform usamplerBuffer sum_data;     // passes/visibility/mean.comp
 uniform usamplerBuffer row_data;     // of a vertex: first term, the one after the last
 uniform usamplerBuffer spread_data;  // terms: probe, weight as float
 uniform samplerBuffer least_data;    // with no more than about this in sight, a Gaussian lights the other side
 layout(std430) writeonly buffer Means { uint means[]; };  // unorm8 x 4: of a vertex front and back
-uniform int last_item;    // vertices
+uniform int last_item;               // vertices
 uniform int group_count;
 
 void main() {

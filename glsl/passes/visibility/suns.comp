@@ -8,7 +8,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform samplerBuffer sun_data;  // toward each sun
 layout(rgba8) writeonly uniform image2DArray seen;
-uniform int sun_count;    // at least 1
+uniform int sun_count;           // at least 1
 uniform int first_layer;
 
 void main() {

@@ -4,15 +4,15 @@
 #include "inputs/accel/ray.glsl"
 #include "inputs/accel/visit_any.glsl"
 #include "accel.glsl"
-layout(local_size_x = 64) in;                               // and a row of groups for each class
+layout(local_size_x = 64) in;          // and a row of groups for each class
 uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
 uniform samplerBuffer direction_data;  // toward the light
-layout(std430) buffer Bits { uint bits[]; };   // word by word: those of all probes, one after the other
-uniform int first_probe[9];  // of each class, and the one after the last
+layout(std430) buffer Bits { uint bits[]; };  // word by word: those of all probes, one after the other
+uniform int first_probe[9];            // of each class, and the one after the last
 uniform int probe_count;
-uniform int class_directions;  // how many directions each class has
+uniform int class_directions;          // how many directions each class has
 uniform int first_direction;
-uniform int last_direction;  // the one after the last
+uniform int last_direction;            // the one after the last
 
 void main() {
     int i = first_probe[gl_WorkGroupID.y] + int(gl_GlobalInvocationID.x);
