@@ -15,6 +15,7 @@ import moderngl
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
+from ..accel.kdtree import CONSTANTS
 from ..accel.triangles import Triangles
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
@@ -420,7 +421,7 @@ def _quality(show: CurtainShow) -> dict:
         area[0] = area[1:3].max()
     # A pair of triangles counts as one: the builder's own unit.
     kdtree = show.scene.accelerator == "kdtree"
-    C_ts, held = (structure.parameters.C_ts, tree["pairs"]) if kdtree else (1.0, tree["count"])
+    C_ts, held = (CONSTANTS["C_TS"], tree["pairs"]) if kdtree else (1.0, tree["count"])
     view, size = show.scene.view, show.scene.size
     # As the tracer orders them, block by block.
     w, h = BLOCK
