@@ -17,7 +17,9 @@ from ..errors import InputError
 from ..files import cache_dir
 from ..geometry.mesh import Mesh
 from ..gpu.context import create_context, is_software, list_devices
-from ..picture.renderer import METHODS, Frame, Renderer
+from ..methods.registry import METHODS
+from ..picture.frame import Frame
+from ..picture.renderer import Renderer
 from ..progress import track
 from ..scene import Scene
 

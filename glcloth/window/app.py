@@ -14,7 +14,8 @@ import numpy as np
 from ..curtain.show import CurtainScene
 from ..errors import InputError, ShaderError
 from ..light.environment import rotation_y
-from ..picture.renderer import Frame, Renderer
+from ..picture.frame import Frame
+from ..picture.renderer import Renderer
 from ..scene import Scene
 from .curtain import Player
 from .files import Files, check_shown, frame_of

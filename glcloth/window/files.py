@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..fabric import save_fabric
 from ..geometry.mesh import load_solid
 from ..image import check_output, read_settings, write_image
-from ..picture.renderer import METHODS
+from ..methods.registry import METHODS
 from ..scene import Scene, load_scene, save_scene
 from . import sharing
 from .dialogs import Dialogs

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
-from ..picture.renderer import default_camera
+from ..picture.frame import default_camera
 from ..scene import View
 from . import orbit
 

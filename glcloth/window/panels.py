@@ -13,7 +13,7 @@ from ..fabric import builtin_fabrics
 from ..geometry.mesh import BUILTIN_MESHES
 from ..light.environment import BUILT_IN_NAMES
 from ..light.fit import FABRICS
-from ..picture.renderer import METHODS
+from ..methods.registry import METHODS
 from ..scene import Scene
 from .controls import Control, controls, scene_controls
 from .curtain_panel import CurtainPanel

@@ -13,7 +13,7 @@ from glcloth.fabric import Fabric, Yarn, load_fabric, save_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import load_mesh
 from glcloth.image import write_image
-from glcloth.picture.renderer import METHODS
+from glcloth.methods.registry import METHODS
 from glcloth.scene import Scene, View, load_scene, save_scene
 from glcloth.window import curve, orbit, sharing, state
 from glcloth.window.controls import METHOD_FIELDS, controls

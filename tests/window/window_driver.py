@@ -34,7 +34,8 @@ from glcloth.geometry.mesh import load_mesh, save_mesh
 from glcloth.image import write_image
 from glcloth.light.lights import Lights, SphericalGaussians
 from glcloth.light.lights_file import save_lights
-from glcloth.picture.renderer import METHODS, Renderer
+from glcloth.methods.registry import METHODS
+from glcloth.picture.renderer import Renderer
 from glcloth.scene import Scene, load_scene
 from glcloth.window import curve, orbit, sharing
 from glcloth.window.app import App
