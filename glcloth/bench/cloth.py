@@ -161,7 +161,7 @@ def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:
         [measured(lambda: vertices.integrate(frame.lights.rotated(np.eye(3)), broad)) for _ in range(times)], 0
     )
     renderer.draw(frame)
-    view = renderer.shadow_view
+    view = renderer.target.part(cloth).view
     view.forget_edges()
     edges = measured(lambda: list(view.edges()))
     count = len(vertices.probes.points)

@@ -57,7 +57,7 @@ class HitVertices:
         """Of all surfaces."""
         return self.first_vertex[-1]
 
-    def prepare(self, surfaces: Sequence[HitSurface], triangles: Triangles) -> None:
+    def prepare(self, surfaces: Sequence[HitSurface], triangles: Triangles | None) -> None:
         """Upload the corners and vertices where they changed.
 
         Parameters
@@ -66,6 +66,7 @@ class HitVertices:
             others come as lifts
         triangles : what the structure was built of
         """
+        assert triangles is not None, "nothing was built"
         meshes = tuple((surface.drawn, surface.original) for surface in surfaces)
         self._uploaded.get(lambda: self._upload(surfaces, triangles), meshes, triangles)
         self._ground = {"ground_first": -1}

@@ -105,19 +105,7 @@ def place_probes(
     if original is not None and original is not mesh:
         offset += lift_off_facets(mesh, original)
     graph = sparse.coo_array((np.ones(len(edges)), (a, b)), shape=(count, count)).tocsr()
-    graph = _neighbours(graph + graph.T)
-    chosen = np.arange(count)
-    spread = sparse.eye_array(count, format="csr")
-    while len(chosen) > most:
-        kept = _apart(graph)
-        inner = _interpolation(graph, kept, mesh.positions[chosen].astype(float))
-        spread = spread @ inner
-        # Each node to the kept one that it takes most of: these heaps are neighbours where their nodes are.
-        heap = sparse.csr_array(
-            (np.ones(inner.shape[0]), (np.arange(inner.shape[0]), inner.argmax(1).ravel())), inner.shape
-        )
-        graph = _neighbours(heap.T @ graph @ heap)
-        chosen = chosen[kept]
+    chosen, spread, graph = _thinned(_neighbours(graph + graph.T), mesh.positions.astype(float), most)
     number = len(chosen)
     if classes is None:
         classes = 1 if number <= WHOLE else 2 if number <= HALF else 4 if number <= QUARTER else 8
@@ -143,6 +131,22 @@ def place_probes(
         spread,
         chosen,
     )
+
+
+def _thinned(graph, points: np.ndarray, most: int) -> tuple:
+    """At most so many nodes of a graph: their numbers, how much of them every node takes [V, P], and their own graph."""
+    chosen = np.arange(len(points))
+    spread = sparse.eye_array(len(points), format="csr")
+    while len(chosen) > most:
+        kept = _apart(graph)
+        inner = _interpolation(graph, kept, points[chosen])
+        spread = spread @ inner
+        # Each node to the kept one that it takes most of: these heaps are neighbours where their nodes are.
+        rows = np.arange(inner.shape[0])
+        heap = sparse.csr_array((np.ones(len(rows)), (rows, inner.argmax(1).ravel())), inner.shape)
+        graph = _neighbours(heap.T @ graph @ heap)
+        chosen = chosen[kept]
+    return chosen, spread, graph
 
 
 def _neighbours(graph):

@@ -75,10 +75,10 @@ def main():
             frame = renderer.prepare(**base)
             renderer.draw(frame)
             buffer, (width, height) = renderer.gbuffer, frame.scene.size
-            structure = renderer.occluders(frame.mesh)
+            structure = renderer.stage.occluders(frame)
             N, x, p = (
                 np.frombuffer(t.read(), "f4").reshape(height, width, 4).astype(float)
-                for t in (buffer.frame_N, buffer.frame_x, buffer.frame_p)
+                for t in map(buffer.frame, ("frame_N", "frame_x", "frame_p"))
             )
             places = np.argwhere(N[..., 3] != 0)[:: options.every]
             seen = [
