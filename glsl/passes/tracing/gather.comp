@@ -1,9 +1,9 @@
 #version 430
 // Adds to each ray of a generation what its children brought.   [Mat section 4.2, step 6]
 layout(local_size_x = 64) in;
-layout(binding = 8) uniform samplerBuffer next_radiance;
-layout(binding = 9) uniform usamplerBuffer children;
-layout(std430, binding = 3) buffer Radiances { vec4 radiance[]; };
+uniform samplerBuffer next_radiance;
+uniform usamplerBuffer children;
+layout(std430) buffer Radiances { vec4 radiance[]; };
 uniform int ray_count;
 uniform int front_count;
 uniform int back_first;

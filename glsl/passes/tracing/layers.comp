@@ -2,11 +2,11 @@
 // Casts the heads of straight ways: the layers that each meets, by one traversal ("visit_layers.glsl"), for structures
 // that find hits in order. For the others passes/accel/rays.comp finds one layer at a time.
 #include "inputs/accel/ray.glsl"
-layout(std430, binding = 0) writeonly buffer Layers { uvec2 layer_out[]; };  // (t, triangle, v, w); `stride` a head
+layout(std430) writeonly buffer Layers { uvec2 layer_out[]; };  // (t, triangle, v, w); `stride` a head
 #include "inputs/tracing/visit_layers.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 11) uniform samplerBuffer heads;  // (origin, t_min) (direction, t_max)
+uniform samplerBuffer heads;  // (origin, t_min) (direction, t_max)
 uniform int first_head;
 uniform int head_count;
 uniform int stride;

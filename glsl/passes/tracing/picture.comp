@@ -2,8 +2,8 @@
 // Adds one sample of a tile to the picture, top row first.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 8) uniform samplerBuffer radiances;
-layout(std430, binding = 0) buffer Picture { vec4 picture[]; };
+uniform samplerBuffer radiances;
+layout(std430) buffer Picture { vec4 picture[]; };
 uniform ivec2 size;
 uniform ivec2 tile_first;
 uniform ivec2 tile_blocks;
