@@ -163,8 +163,8 @@ class Rays:
             cast(structure, "closest", self._heads, self._layers, count, first)
         else:
             _through(self.ctx, "passes/tracing/layers.comp", structure).run(
-                count, structure.inputs(), heads=self._heads, Layers=self._layers, first_head=first, head_count=count, stride=stride,
-                most_layers=picture.shot.settings.depth - level,
+                count, structure.inputs(), heads=self._heads, Layers=self._layers, first_head=first, head_count=count,
+                stride=stride, most_layers=picture.shot.settings.depth - level,
             )  # fmt: skip
         return count
 
@@ -178,13 +178,14 @@ class Rays:
         self._order.reserve(4 * now.count)
         counts = np.zeros(COUNTS["COUNTS"], np.uint32)
         counts[COUNTS["HEADS"]] = self._head_count
-        # Work groups lie in a row: 1 along y and z.
+        # Work groups along y, where a device may not take all of them along x.
+        rows = -(-now.count // (COUNTS["GROUP"] * programs(self.ctx).most_groups))
         for groups in (COUNTS["CLOTH_GROUPS"], COUNTS["OTHER_GROUPS"]):
-            counts[groups + 1 : groups + 3] = 1
+            counts[groups + 1 : groups + 3] = rows, 1
         self._counts.write(counts)
         programs(self.ctx).compute("passes/tracing/sort.comp").run(
             -(-now.count // CONSTANTS["PART_SHARE"]), now.runs, picture.inputs, layers=self._layers, weights=now.weights,
-            Order=self._order, Counts=self._counts,
+            Order=self._order, Counts=self._counts, column_rays=rows * COUNTS["GROUP"],
         )  # fmt: skip
         for cloth, groups in ((1, COUNTS["CLOTH_GROUPS"]), (0, COUNTS["OTHER_GROUPS"])):
             shade = programs(self.ctx).compute(

@@ -194,9 +194,10 @@ class Tracer:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        own = self.picture, self._materials, self._fabric, self._environment, self._rays
-        for thing in (*own, *self._structures.values()):
+        for thing in (self.picture, self._materials, self._fabric, self._environment, self._rays):
             thing.release()
+        for structure in self._structures.values():
+            structure.release()
 
 
 def _largest(vector: tuple[float, float, float]) -> float:

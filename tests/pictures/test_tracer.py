@@ -11,6 +11,7 @@ from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.gpu.buffers import Staging
 from glcloth.gpu.context_local import of_context
+from glcloth.gpu.programs import programs
 from glcloth.light.environment import Environment, lookup, rotation_y
 from glcloth.tracing.lamp import Lamp, Lighting
 from glcloth.tracing.shot import Shot, TraceSettings
@@ -268,6 +269,16 @@ def test_tiles_and_odd_sizes(tracer, monkeypatch):
     monkeypatch.setattr("glcloth.tracing.tracer.TILE_PIXELS", 256)
     tiled = tracer.render(**scene, shot=Shot(camera=ROOM_CAMERA, size=(71, 53), fabric=VOILE, lighting=ROOM_LIGHT))
     np.testing.assert_array_equal(whole, tiled)
+
+
+@pytest.mark.parametrize("accelerator", ["kdtree", "lbvh"])
+def test_work_groups_in_rows(ctx, tracer, monkeypatch, accelerator):
+    """A device that takes few work groups along a line makes the same picture."""
+    shot = Shot(ROOM_CAMERA, (71, 53), VOILE, ROOM_LIGHT, settings=TraceSettings(accelerator=accelerator))
+    scene = folded_scene()
+    whole = tracer.render(**scene, shot=shot)
+    monkeypatch.setattr(programs(ctx), "most_groups", 7)
+    np.testing.assert_array_equal(whole, tracer.render(**scene, shot=shot))
 
 
 def test_supersampling_converges(tracer):

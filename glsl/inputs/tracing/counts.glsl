@@ -6,9 +6,9 @@ const int HEADS = 3;         // heads of straight ways, of all generations so fa
 const int READ_COUNTS = 4;   // so many the CPU reads
 const int ON_CLOTH = 4;      // rays of this generation that hit cloth,
 const int ELSEWHERE = 5;     // and the others
-const int CLOTH_GROUPS = 6;  // work groups that shade either; two ones follow each, for glDispatchComputeIndirect
+const int CLOTH_GROUPS = 6;  // work groups that shade either, along x, y and z (glDispatchComputeIndirect)
 const int OTHER_GROUPS = 9;
 const int COUNTS = 12;
-const uint GROUP = 64u;      // rays of a work group of passes/tracing/shade.comp
+const int GROUP = 64;        // rays of a work group of passes/tracing/shade.comp
 
 layout(std430) buffer Counts { uint count[]; };

@@ -1,6 +1,7 @@
 #version 430
 // Adds to each ray of a generation what its children brought.   [Mat section 4.2, step 6]
 layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
 uniform samplerBuffer next_radiance;
 uniform usamplerBuffer children;
 layout(std430) buffer Radiances { vec4 radiance[]; };
@@ -9,7 +10,7 @@ uniform int front_count;
 uniform int back_first;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= ray_count) return;
     if (i >= front_count) i += back_first - front_count;
     uvec2 next = texelFetch(children, i).xy;

@@ -6,13 +6,14 @@ layout(std430) writeonly buffer Layers { uvec2 layer_out[]; };  // (t, triangle,
 #include "inputs/tracing/visit_layers.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
 uniform samplerBuffer heads;  // (origin, t_min) (direction, t_max)
 uniform int first_head;
 uniform int head_count;
 uniform int stride;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= head_count) return;
     i += first_head;
     vec4 o = texelFetch(heads, 2 * i);

@@ -18,6 +18,7 @@
 #include "inputs/tracing/claim.glsl"
 
 layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
 uniform sampler2D environment_map;
 uniform usamplerBuffer layers;    // (t, triangle, v, w), `stride` for each head
 uniform usamplerBuffer order;     // the rays to shade
@@ -48,7 +49,7 @@ vec3 sky(vec3 d) {
 
 void main() {
     begin_claims();
-    uint place = gl_GlobalInvocationID.x;
+    uint place = uint(item());
     uint rays = count[CLOTH == 1 ? ON_CLOTH : ELSEWHERE];
     bool live = place < rays;
     // Invocations behind the end shade the last ray again, and keep it to themselves.

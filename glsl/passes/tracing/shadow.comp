@@ -7,6 +7,7 @@
 #include "inputs/tracing/visit_attenuate.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
 uniform samplerBuffer shadows;  // (point, ray) (radiance, -)
 layout(std430) buffer Radiances { vec4 radiance[]; };
 layout(std430) buffer Shadows { vec4 shadow_out[]; };
@@ -17,7 +18,7 @@ uniform float beyond;      // further than this from a point of the scene there 
 uniform float offset;      // nearer than this to the lamp nothing counts
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= shadow_count) return;
     vec4 point = texelFetch(shadows, 2 * i);
     vec3 light = texelFetch(shadows, 2 * i + 1).rgb;

@@ -6,6 +6,7 @@
 #include "trace/shared.glsl"
 #include "inputs/tracing/counts.glsl"
 layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
 uniform usamplerBuffer layers;           // (t, triangle, v, w)
 uniform usamplerBuffer attribute_data;  // one texel: material, -
 uniform samplerBuffer weights;          // (weight, layer)
@@ -13,17 +14,18 @@ layout(std430) writeonly buffer Order { uint order[]; };
 uniform int ray_count;
 uniform int front_count;
 uniform int back_first;
+uniform uint column_rays;  // of the work groups along y that one along x stands for
 
-// A place for `rays` more in one of the two lists; the group that the last one begins is counted.
+// A place for `rays` more in one of the two lists; the column of work groups that the last one begins is counted.
 uint place_in(int list, int groups, uint rays) {
     uint first = atomicAdd(count[list], rays);
-    uint begun = (first + rays + GROUP - 1u) / GROUP - (first + GROUP - 1u) / GROUP;
+    uint begun = (first + rays + column_rays - 1u) / column_rays - (first + column_rays - 1u) / column_rays;
     if (begun > 0u) atomicAdd(count[groups], begun);
     return first;
 }
 
 void main() {
-    int begin = PART_SHARE * int(gl_GlobalInvocationID.x);
+    int begin = PART_SHARE * item();
     int end = min(begin + PART_SHARE, ray_count);
     if (begin >= end) return;
     int aside = back_first - front_count;  // how far off the second run lies
