@@ -164,11 +164,10 @@ class CurtainSimulation:
         """Seconds since the wind began."""
         return self.cloth.time
 
-    def step(self, dt: float) -> moderngl.Buffer:
-        """Advance by dt seconds; return `position_buffer`. Normals and tangents are up to date."""
+    def step(self, dt: float) -> None:
+        """Advance by dt seconds; normals and tangents are up to date then."""
         for _ in self.steps(dt):
             pass
-        return self.position_buffer
 
     def steps(self, dt: float) -> Iterator[None]:
         """As `step`, a few substeps at a time, for a caller with other things to do in between."""

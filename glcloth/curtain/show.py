@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
 from ..accel.kdtree import CONSTANTS
+from ..accel.queries import RayQueries
 from ..accel.triangles import Triangles
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
@@ -24,7 +25,9 @@ from ..image import read_settings
 from ..light.environment import Environment, load_environment
 from ..scene import View, ViewTransform
 from ..tracing.lamp import Lamp, Lighting
-from ..tracing.tracer import BLOCK, Shot, Tracer, TraceSettings
+from ..tracing.rays import BLOCK
+from ..tracing.shot import Shot, TraceSettings
+from ..tracing.tracer import Tracer
 from ..tracing.tree_view import TreeContent, draw_tree
 from .hanging import CurtainParameters, CurtainSimulation
 from .room import ROOM, Room, load_room
@@ -430,7 +433,7 @@ def _quality(show: CurtainShow) -> dict:
     x = at // (w * h) // down * w + at % w + 0.5
     y = at // (w * h) % down * h + at // w % h + 0.5
     d = np.stack([x, y, np.ones_like(x)], -1) @ view.ray_from_pixel(size).T
-    queries = show.tracer.queries
+    queries = RayQueries(show.ctx)
     work = queries.closest_hit(structure, np.broadcast_to(view.eye, d.shape), d, counted=True).work
     count = queries.upload(np.broadcast_to(view.eye, d.shape), d)
     laps = []
@@ -439,6 +442,7 @@ def _quality(show: CurtainShow) -> dict:
         queries.run(structure, "closest", count)
         show.ctx.finish()
         laps.append(time.perf_counter() - begin)
+    queries.release()
     return {
         "depth": int(tree["depth"].max()),
         "sah": round(float((np.where(leaf, held, C_ts) * area).sum() / area[0]), 2),

@@ -185,10 +185,10 @@ class Compute(Program):
         self.linked.run(*map(int, groups))
         self.ctx.memory_barrier()
 
-    def run_indirect(self, arguments: Buffer, *inputs: Inputs, **own: Any) -> None:
-        """As `run_groups`, for as many work groups as the first three numbers of a buffer on the GPU say."""
+    def run_indirect(self, arguments: Buffer, *inputs: Inputs, skip: int = 0, **own: Any) -> None:
+        """As `run_groups`, for as many work groups as three numbers of a buffer on the GPU say, behind `skip` bytes."""
         self.bind(*inputs, **own)
-        self.linked.run_indirect(arguments.buffer)
+        self.linked.run_indirect(arguments.buffer, skip)
         self.ctx.memory_barrier()
 
 

@@ -314,7 +314,7 @@ class Player(Slices):
         """Copy the tracer's picture into a texture of the side."""
 
         def copy(texture: moderngl.Texture) -> None:
-            self.curtain.tracer.picture.bind_to_storage_buffer(0)
+            self.curtain.tracer.picture.buffer.bind_to_storage_buffer(0)
             (self.sides[number].texture or texture).use(1)
             shader.set_uniforms(self._copy, size=size, samples=float(spp))
             self.ctx.viewport = (0, 0, *size)
