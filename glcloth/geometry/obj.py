@@ -72,17 +72,9 @@ def read_obj(text: str, where: str) -> ObjData:
             continue
         kind = words[0]
         if kind in values:
-            try:
-                row = [float(word) for word in words[1 : 1 + least[kind]]]
-            except ValueError:
-                raise InputError(
-                    f"{where}:{number}: `{line.strip()}`: expected numbers; mend or re-export it"
-                ) from None
-            if len(row) < least[kind]:
-                raise InputError(
-                    f"{where}:{number}: `{line.strip()}`: expected {least[kind]} numbers; is the file cut off?"
-                )
-            values[kind].append(row)
+            values[kind].append(
+                _numbers(words[1 : 1 + least[kind]], least[kind], f"{where}:{number}: `{line.strip()}`")
+            )
         elif kind == "f":
             face = [_corner(word, values, f"{where}:{number}") for word in words[1:]]
             if len(face) < 3:
@@ -118,6 +110,17 @@ def read_obj(text: str, where: str) -> ObjData:
         material=np.array(material, np.int32),
         materials=tuple(materials),
     )
+
+
+def _numbers(words: list[str], count: int, where: str) -> list[float]:
+    """Return the `count` numbers of a line."""
+    try:
+        row = [float(word) for word in words]
+    except ValueError:
+        raise InputError(f"{where}: expected numbers; mend or re-export it") from None
+    if len(row) < count:
+        raise InputError(f"{where}: expected {count} numbers; is the file cut off?")
+    return row
 
 
 def _corner(word: str, values: dict[str, list], where: str) -> tuple[int, int, int]:

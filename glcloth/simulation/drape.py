@@ -16,7 +16,8 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from ..errors import InputError
-from ..geometry.mesh import BALL, TABLE, Mesh, build_mesh, load_mesh
+from ..geometry.mesh import Mesh, build_mesh
+from ..geometry.mesh_files import BALL, TABLE, load_mesh
 from ..geometry.shapes import grid_triangles
 from ..progress import track
 from .cloth import Cloth, ClothParameters, Wind

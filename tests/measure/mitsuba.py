@@ -21,7 +21,7 @@ from lambertian import LambertianReference
 
 import glcloth
 from glcloth.color import luminance
-from glcloth.geometry.mesh import load_mesh, save_mesh
+from glcloth.geometry.mesh_files import load_mesh, save_mesh
 from glcloth.light.environment import direction_from_uv
 from glcloth.metrics import difference, flip
 from glcloth.progress import track
