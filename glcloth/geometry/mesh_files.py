@@ -106,7 +106,7 @@ def _builtin(name: str) -> Mesh:
 
 
 def _stand() -> tuple[Mesh, np.ndarray]:
-    """What the built-in cloth lies on: the ball and the table that it was draped over, and a plinth down to its hem."""
+    """The support of the built-in cloth: the ball and the table that it was draped over, and a plinth down to its hem."""
     low = TABLE[0][1] - TABLE[1][1]
     plinth = np.array([[-1.1, PLINTH, -1.15], [1.1, low + 0.02, 0.0]])
     x, triangles, _, N = shapes.sphere(BALL[1], 40, 80)
@@ -130,7 +130,7 @@ def _read_with_trimesh(path: Path, colored: bool = False) -> tuple[np.ndarray | 
     """Return (positions, triangles, uv or None, normals or None, reflectances [T, 3] if asked for) of all geometries of a
     file, in the world frame."""
     try:
-        # trimesh warns of what it can mend (missing textures, say); what it cannot raises errors of any type.
+        # trimesh warns of faults that it can mend (missing textures, say); others raise errors of any type.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             scene = trimesh.load_scene(path, process=False, fix_texture=not _ply_has_vertex_uv(path))

@@ -124,7 +124,7 @@ def _numbers(words: list[str], count: int, where: str) -> list[float]:
 
 
 def _corner(word: str, values: dict[str, list], where: str) -> tuple[int, int, int]:
-    """Return zero-based (v, vt, vn) of one `v/vt/vn` word, -1 for what it leaves out; negative numbers count back."""
+    """Return zero-based (v, vt, vn) of one `v/vt/vn` word, -1 for a part left out; negative numbers count back."""
     found = [-1, -1, -1]
     parts = word.split("/")
     if len(parts) > 3 or not parts[0]:

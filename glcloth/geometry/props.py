@@ -1,4 +1,4 @@
-"""What stands about the cloth: solid objects and a ground, matt all of them. Plain values; `cloth.around` lights them."""
+"""Solid objects about the cloth and a ground, all matt, as plain values; `visibility` and `picture.solids` light them."""
 
 from __future__ import annotations
 
