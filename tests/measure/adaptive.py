@@ -10,7 +10,7 @@ import glcloth
 from glcloth.color import luminance
 
 options = common.options(__doc__, ["studio"], size="640x480")
-common.head("fabric", "pixels shaded", "mean / 95 % / 99 % / largest error, %")
+common.head("fabric", "shaded beyond one in four", "mean / 95 % / 99 % / largest error, %")
 with glcloth.Renderer() as renderer:
     for fabric in [*common.FABRICS, "velvet"]:
         scene = dict(fabric=fabric, mesh="drape", env=options.environments[0], size=options.size, background=False)
