@@ -267,7 +267,7 @@ def animate(
         Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
     """
     from .curtain.show import CurtainShow
-    from .geometry.mesh import load_mesh
+    from .geometry.mesh_files import load_mesh
     from .gpu.context import create_context
     from .picture import sequence
     from .picture.renderer import Renderer
@@ -437,7 +437,7 @@ def env(
 @app.command
 def drape(*, output: Annotated[Path, _output("Mesh to write, .ply, .obj or .glb.")], device: Device = None) -> None:
     """Make the built-in cloth again by simulation: a sheet that falls over a sphere and a table's edge."""
-    from .geometry.mesh import SAVE_SUFFIXES, save_mesh
+    from .geometry.mesh_files import SAVE_SUFFIXES, save_mesh
     from .gpu.context import create_context
     from .simulation.drape import drape as simulate
 

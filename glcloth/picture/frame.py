@@ -9,7 +9,8 @@ from typing import Any
 
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
-from ..geometry.mesh import BUILTIN_MESHES, Mesh, load_mesh, load_view
+from ..geometry.mesh import Mesh
+from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view
 from ..geometry.props import Objects, arrange, load_solids
 from ..gpu.memo import Last
 from ..light.environment import Environment, load_environment, rotation_y

@@ -83,7 +83,7 @@ class HitVertices:
             if surface.drawn is not surface.original:
                 rows[:, :2, 3] = lift_off_facets(surface.drawn, surface.original)
             if surface.offsets is None:
-                offset = OFFSET * mean_edge(surface.original)
+                offset = OFFSET * surface.original.mean_edge
                 self.offset = self.offset if number else offset
                 rows[:, :2, 3] += offset - self.offset
             else:
@@ -119,9 +119,3 @@ def _rows(mesh: Mesh) -> np.ndarray:
     rows = np.zeros((len(mesh.positions), 3, 4), "f4")
     rows[:, 0, :3], rows[:, 1, :3], rows[:, 2] = mesh.positions, mesh.normals, mesh.tangents
     return rows
-
-
-def mean_edge(mesh: Mesh) -> float:
-    """Metres, over all triangles."""
-    corners = mesh.positions[mesh.triangles].astype(float)
-    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())

@@ -57,7 +57,7 @@ def subdivided(mesh: Mesh, longest: float = LONGEST_EDGE, most: int = MOST_VERTI
     if np.linalg.norm(at - np.roll(at, 1, 1), axis=2).max(initial=0.0) <= limit:
         return mesh
     while True:
-        corners, edges = mesh.triangles, _edges(mesh.triangles)
+        corners, edges = mesh.triangles, mesh.edges()
         a, b = edges.T
         length = np.linalg.norm(mesh.positions[a] - mesh.positions[b], axis=1)
         if length.max(initial=0.0) <= limit or len(mesh.positions) + len(edges) > most:
@@ -96,7 +96,7 @@ def place_probes(
     classes : 1, 2, 4 or 8; None: by the number of probes
     """
     count = len(mesh.positions)
-    edges = _edges(mesh.triangles)
+    edges = mesh.edges()
     a, b = edges.T
     length = np.linalg.norm(mesh.positions[a] - mesh.positions[b], axis=1).astype(float)
     total = np.bincount(a, length, count) + np.bincount(b, length, count)
@@ -188,12 +188,6 @@ def _shared_evenly(matrix, kind: np.ndarray, classes: int):
     group = matrix.row * classes + kind[matrix.col]
     sums = np.bincount(group, matrix.data, matrix.shape[0] * classes)
     return sparse.coo_array((matrix.data / sums[group], (matrix.row, matrix.col)), matrix.shape).tocsr()
-
-
-def _edges(triangles: np.ndarray) -> np.ndarray:
-    """Each edge once, [E, 2], the lower vertex first."""
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1)
-    return np.unique(edges, axis=0)
 
 
 def lift_off_facets(mesh: Mesh, original: Mesh) -> np.ndarray:

@@ -13,7 +13,7 @@ from ..color import srgb_decode
 from ..curtain.show import CurtainScene, load_curtain_scene
 from ..errors import InputError
 from ..fabric import save_fabric
-from ..geometry.mesh import load_solid
+from ..geometry.mesh_files import load_solid
 from ..image import check_output, read_settings, write_image
 from ..methods.registry import METHODS
 from ..scene import Scene, load_scene, save_scene

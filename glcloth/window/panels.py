@@ -10,7 +10,7 @@ from imgui_bundle import imgui  # isort: skip
 
 from ..color import VIEW_TRANSFORMS
 from ..fabric import builtin_fabrics
-from ..geometry.mesh import BUILTIN_MESHES
+from ..geometry.mesh_files import BUILTIN_MESHES
 from ..light.environment import BUILT_IN_NAMES
 from ..light.fit import FABRICS
 from ..methods.registry import METHODS

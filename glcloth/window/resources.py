@@ -11,7 +11,8 @@ from typing import Any
 
 from ..curtain.show import CurtainScene
 from ..fabric import Fabric, load_fabric
-from ..geometry.mesh import Mesh, load_mesh
+from ..geometry.mesh import Mesh
+from ..geometry.mesh_files import load_mesh
 from ..geometry.props import Objects, arrange, load_solids
 from ..light.environment import Environment, load_environment, rotation_y
 from ..light.fit import FitReport, fit_report, report_on

@@ -10,7 +10,8 @@ from glcloth.accel.triangles import Triangles
 from glcloth.fabric import builtin_fabrics, load_fabric
 from glcloth.geometry import shapes
 from glcloth.geometry.camera import Camera
-from glcloth.geometry.mesh import build_mesh, load_mesh
+from glcloth.geometry.mesh import build_mesh
+from glcloth.geometry.mesh_files import load_mesh
 from glcloth.gpu.scene_buffers import SceneBuffers
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.methods.albedo import diffuse_albedo

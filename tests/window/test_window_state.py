@@ -11,7 +11,7 @@ from glcloth.curtain.show import CurtainScene
 from glcloth.errors import InputError
 from glcloth.fabric import Fabric, Yarn, load_fabric, save_fabric
 from glcloth.geometry.camera import Camera
-from glcloth.geometry.mesh import load_mesh
+from glcloth.geometry.mesh_files import load_mesh
 from glcloth.image import write_image
 from glcloth.methods.registry import METHODS
 from glcloth.scene import Scene, View, load_scene, save_scene

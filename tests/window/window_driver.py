@@ -30,7 +30,7 @@ from glcloth.curtain.hanging import CurtainParameters
 from glcloth.curtain.show import CurtainScene, CurtainShow
 from glcloth.errors import InputError
 from glcloth.fabric import Transmission, load_fabric, save_fabric
-from glcloth.geometry.mesh import load_mesh, save_mesh
+from glcloth.geometry.mesh_files import load_mesh, save_mesh
 from glcloth.image import write_image
 from glcloth.light.lights import Lights, SphericalGaussians
 from glcloth.light.lights_file import save_lights
