@@ -9,7 +9,6 @@ from ..geometry.camera import Camera
 from ..light.fit import FitReport
 from ..scene import View
 from . import orbit
-from .clock import Clock
 from .curtain import Player
 from .drawing import Drawing
 from .layout import Layout
@@ -24,10 +23,12 @@ class Actions:
     Everything else that can be done is a method, everything that can be asked a property.
     """
 
-    def __init__(self, session: Session, drawing: Drawing, layout: Layout, messages: Messages, clock: Clock):
+    def __init__(self, session: Session, drawing: Drawing, layout: Layout, messages: Messages):
         self.session, self.layout, self.messages = session, layout, messages
         self.attempt, self.note = messages.attempt, messages.note
-        self._drawing, self._clock = drawing, clock
+        self.go_to, self.toggle_tree, self.picture = drawing.go_to, drawing.toggle_tree, drawing.picture
+        self.reload_shaders = drawing.reload_shaders
+        self._drawing = drawing
 
     # -- what can be asked -------------------------------------------------------------------------------------------
 
@@ -48,7 +49,7 @@ class Actions:
     @property
     def status(self) -> list[str]:
         """What is going on, in words."""
-        return self._drawing.status()
+        return self._drawing.drawer.status(self.session.shown)
 
     @property
     def device(self) -> tuple[str, bool]:
@@ -63,27 +64,19 @@ class Actions:
         return ready[0].report if ready and ready[0] is not None else None
 
     @property
-    def player(self) -> Player | None:
-        """The curtain; None before it was shown."""
+    def player(self) -> Player:
+        """The curtain: what it does and how far it is."""
         return self._drawing.player
-
-    @property
-    def playing(self) -> bool:
-        return self.player is not None and self.player.playing
 
     @property
     def frame(self) -> int:
         """The frame of the curtain that is shown; 0 for a cloth."""
-        return self._drawing.frame
+        return self.player.frame if self.session.in_curtain else 0
 
     @property
     def tree(self) -> TreeWindow | None:
         """The tree's window, while it is open."""
         return self._drawing.tree
-
-    def picture(self) -> np.ndarray:
-        """What `render` returns for the scene: float32 [H, W, 3 or 4], linear, top row first; once refined."""
-        return self._drawing.picture()
 
     def screen(self) -> np.ndarray:
         """The window as it is, uint8 [H, W, 3], top row first."""
@@ -103,16 +96,6 @@ class Actions:
         """Put a text into the clipboard."""
         glfw.set_clipboard_string(self._drawing.host.window, text)
 
-    def undo(self) -> None:
-        """One edit back."""
-        if self.session.undo():
-            self._clock.wake()
-
-    def redo(self) -> None:
-        """One undo back."""
-        if self.session.redo():
-            self._clock.wake()
-
     def choose_fabric(self, name: str) -> None:
         """Take another fabric; in the curtain one without transmission gets a sheer's. Raises InputError."""
         self.session.choose_fabric(name)
@@ -122,7 +105,7 @@ class Actions:
     @property
     def camera(self) -> Camera:
         """The camera of the picture."""
-        return self._drawing.camera
+        return self._drawing.drawer.camera(self.session.shown)
 
     def look(self, camera: Camera) -> None:
         """Take another camera: no step of undo."""
@@ -134,45 +117,21 @@ class Actions:
 
     def frame_mesh(self) -> None:
         """All of the cloth into the picture, from where the eye looks."""
-        if (mesh := self._drawing.mesh) is not None:
+        if (mesh := self._drawing.drawer.mesh) is not None:
             width, height = self.session.shown.size
             self.look(orbit.frame(self.camera, mesh, width / height))
 
     def zoom(self, factor: float) -> None:
         """Scale the eye's distance."""
-        mesh = None if self.session.in_curtain else self._drawing.mesh
-        self.look(orbit.zoom(self.camera, factor, 2.0 if mesh is None else mesh.radius))
+        radius = 2.0 if self.session.in_curtain else self._drawing.refiner.frames[0].mesh.radius
+        self.look(orbit.zoom(self.camera, factor, radius))
 
     def toggle_play(self) -> None:
         """Let the wind blow, or stop it."""
-        if self.player is not None:
-            (self.player.pause if self.player.playing else self.player.play)()
-
-    def step(self) -> None:
-        """The curtain one frame on."""
-        if self.player is not None:
-            self.player.step()
-
-    def restart(self) -> None:
-        """Hang the curtain anew."""
-        if self.player is not None:
-            self.player.restart()
-
-    def go_to(self, frame: int) -> None:
-        """Show a frame of the moving curtain, from the beginning on."""
-        self._drawing.go_to(frame)
-
-    def toggle_tree(self) -> None:
-        """Open or close the window of the tree."""
-        self._drawing.toggle_tree()
-
-    def reload_shaders(self) -> None:
-        """Take the shaders as they are now; when they do not compile, keep the old ones and say why."""
-        self._drawing.reload_shaders()
+        (self.player.pause if self.player.playing else self.player.play)()
 
     def look_again(self, anew: bool = False) -> None:
         """Look at the files again, which may have changed; `anew`: and draw, whatever has been drawn."""
         self._drawing.pending = True
-        self._clock.wake()
         if anew:
             self._drawing.forget()

@@ -57,7 +57,7 @@ class App:
             raise
         self.layout = Layout(self.host, self.session)
         self.layout.follow = not given or self.layout.area() == wanted
-        self.actions = Actions(self.session, self.drawing, self.layout, self.messages, self.clock)
+        self.actions = Actions(self.session, self.drawing, self.layout, self.messages)
         self.files = Files(self.actions, self.clock, source, watch)
         self.navigation = Navigation(self.actions, self.files)
         self.panels = Panels(self.actions, self.files)

@@ -10,6 +10,8 @@ import moderngl
 import numpy as np
 
 from ..curtain.show import CurtainScene, CurtainShow
+from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
 from ..light.environment import Environment
@@ -70,6 +72,15 @@ class Player(Slices):
         return self.curtain.frame if self.curtain else 0
 
     @property
+    def mesh(self) -> Mesh | None:
+        """The curtain as it hangs; None before the first."""
+        return self.curtain.simulation.mesh() if self.curtain else None
+
+    def camera(self, scene: CurtainScene) -> Camera:
+        """The camera that a scene says."""
+        return scene.view
+
+    @property
     def built(self) -> tuple | None:
         """The curtain, its frame and the structure that holds it; None while it moves or that is not built."""
         curtain = self.curtain
@@ -105,8 +116,7 @@ class Player(Slices):
         self._plan = None
         if self.curtain is not None:
             self.curtain.release()
-            self.wanted = 0
-        self.curtain, self._moving, self.touched = new, None, False
+        self.curtain, self._moving, self.touched, self.wanted = new, None, False, 0
         self._hanging = new.simulation.settling()
 
     def _draw(self) -> None:
@@ -116,7 +126,7 @@ class Player(Slices):
 
     def play(self) -> None:
         """Let the wind blow."""
-        if not self.playing:
+        if not self.playing and self.curtain is not None:
             self.playing = True
             self._last_frame = 0.0
             self._draw()
@@ -129,8 +139,9 @@ class Player(Slices):
 
     def step(self, frames: int = 1) -> None:
         """Go on by so many frames."""
-        self.wanted += frames
-        self._draw()
+        if self.curtain is not None:
+            self.wanted += frames
+            self._draw()
 
     def go_to(self, frame: int) -> None:
         """Go to a frame from the beginning on, so that it hangs as in a picture of that frame."""
@@ -320,7 +331,7 @@ class Player(Slices):
             fill(target)
             side.show(target.texture, scale)
 
-    def status(self) -> list[str]:
+    def status(self, scene: CurtainScene) -> list[str]:
         """What it does, in words."""
         if self.hung < 1.0:
             return [f"hanging the curtain: {10 * int(10 * self.hung)} %"]
@@ -333,7 +344,7 @@ class Player(Slices):
         else:
             state = "done" if side.share >= 1.0 else refining(side)
         cost = f"build {times.build:.0f} ms, trace {times.trace:.0f} ms; simulation {times.simulate:.0f} ms"
-        return [f"frame {self.frame}: {state}", f"{self.curtain.scene.accelerator}: {cost}"]
+        return [f"frame {self.frame}: {state}", f"{scene.accelerator}: {cost}"]
 
     def try_out(self, scene: CurtainScene, environment: Environment) -> None:
         """Draw a scene as small as can be, without waiting for the curtain to settle. Raises ShaderError."""

@@ -12,7 +12,7 @@ from ..fabric import builtin_fabrics
 from .actions import Actions
 from .controls import controls, curtain_controls
 from .state import OWN
-from .widgets import CLAMP, GREY, button_if, chooser, control, tip
+from .widgets import CLAMP, GREY, Panel, buttons, chooser, control, tip
 
 RAYS = controls(CurtainScene, ("accelerator", "depth", "spp", "spread"))
 OTHER = [item for item in RAYS if item.name in OWN]
@@ -21,11 +21,11 @@ MOVING = [c for c in curtain_controls() if c.name in LIVE]
 HANGING = [c for c in curtain_controls() if c.name not in LIVE]
 
 
-class CurtainPanel:
-    """Draws the controls of the curtain that is shown, and turns what is done in them into edits."""
+class CurtainPanel(Panel):
+    """The controls of the curtain that is shown."""
 
     def __init__(self, actions: Actions):
-        self.actions, self.session = actions, actions.session
+        super().__init__(actions)
         self._draft: dict[str, Any] = {}  # what is being dragged and hangs the curtain anew when it is let go
 
     def draw(self) -> None:
@@ -33,38 +33,28 @@ class CurtainPanel:
         actions, session, scene = self.actions, self.session, self.session.curtain
         origin = session.chosen
         if new := chooser("fabric", origin if isinstance(origin, str) else origin.name, builtin_fabrics()):
-            actions.attempt(actions.choose_fabric, new)
-        there, playing = actions.player is not None, actions.playing
-        if imgui.button("Pause" if playing else "Play"):
-            actions.toggle_play()
-        imgui.same_line()
-        if button_if("Step", there and not playing):
-            actions.step()
-        imgui.same_line()
-        if button_if("Restart", there):
-            actions.restart()
+            self.attempt(actions.choose_fabric, new)
+        player = actions.player
+        there, playing = player.curtain is not None, player.playing
+        buttons(
+            ("Pause" if playing else "Play", actions.toggle_play, True),
+            ("Step", player.step, there and not playing),
+            ("Restart", player.restart, there),
+        )
         imgui.same_line()
         imgui.text_colored(GREY, f"frame {actions.frame}, {actions.frame / scene.rate:.2f} s")
         for item in RAYS:
-            changed, new = control(item, getattr(scene, item.name))
-            if changed:
-                actions.attempt(session.edit_curtain, item.name, **{item.name: new})
+            self.field(item, scene, session.edit_curtain, item.name)
         self._tree()
         imgui.separator_text("wind and cloth")
         for item in MOVING:
-            if item.name == "openness":
-                continue
-            changed, new = control(item, getattr(scene.curtain, item.name))
-            if changed:
-                actions.attempt(session.hang, f"curtain {item.name}", **{item.name: new})
+            self.field(item, scene.curtain, session.hang, f"curtain {item.name}")
         if imgui.tree_node("hang it anew"):
             self._hanging(scene)
             imgui.tree_pop()
         if imgui.tree_node("lamp and room"):
             for item in LAMP:
-                changed, new = control(item, getattr(scene, item.name))
-                if changed:
-                    actions.attempt(session.edit_curtain, item.name, **{item.name: new})
+                self.field(item, scene, session.edit_curtain, item.name)
             imgui.text_colored(GREY, f"room: {scene.room or 'built in'}")
             imgui.tree_pop()
 
@@ -77,7 +67,7 @@ class CurtainPanel:
                 self._draft[item.name] = new
             done = item.kind == "choice" or imgui.is_item_deactivated_after_edit() or not imgui.is_any_item_active()
             if item.name in self._draft and done:
-                self.actions.attempt(self.session.hang, None, **{item.name: self._draft.pop(item.name)})
+                self.attempt(self.session.hang, None, **{item.name: self._draft.pop(item.name)})
 
     def other(self, scene: CurtainScene) -> None:
         """What side B has of its own beside its fabric."""
@@ -89,9 +79,7 @@ class CurtainPanel:
             return
         imgui.push_id("b")
         for item in OTHER:
-            changed, new = control(item, getattr(scene, item.name))
-            if changed:
-                self.actions.attempt(session.edit_other, f"b {item.name}", **{item.name: new})
+            self.field(item, scene, session.edit_other, f"b {item.name}")
         imgui.pop_id()
 
     def _tree(self) -> None:

@@ -5,14 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import InputError, ShaderError
-from ..geometry.camera import Camera
-from ..geometry.mesh import Mesh
 from ..gpu.programs import recompiled
 from .clock import Clock, now
 from .curtain import Player
 from .host import Host
 from .messages import Messages
-from .pictures import Side
 from .refine import Refiner
 from .resources import Ready, Resources
 from .screen import Look, Rectangle, Screen
@@ -28,7 +25,7 @@ class Drawing:
         self.ctx = host.ctx
         self.resources = Resources()
         self.refiner = Refiner(self.ctx)
-        self.player: Player | None = None
+        self.player = Player(self.ctx)
         self.tree: TreeWindow | None = None
         self.ready: list[Ready | None] = []
         self.document: Document | None = None  # what is drawn
@@ -40,23 +37,17 @@ class Drawing:
     def close(self) -> None:
         """Free everything."""
         self.resources.close()
-        for thing in (self.tree and self.tree.close, self.player and self.player.release):
-            if thing is not None:
-                thing()
-        self.refiner.release()
-        self._screen.release()
+        if self.tree is not None:
+            self.tree.close()
+        for thing in (self.player, self.refiner, self._screen):
+            thing.release()
 
     # -- how far it is -----------------------------------------------------------------------------------------------
 
     @property
     def drawer(self) -> Refiner | Player:
         """What draws the scene that is shown."""
-        return self.player if self.session.in_curtain and self.player is not None else self.refiner
-
-    @property
-    def sides(self) -> list[Side]:
-        """What is to be seen."""
-        return [] if self.session.in_curtain and self.player is None else self.drawer.sides
+        return self.player if self.session.in_curtain else self.refiner
 
     @property
     def busy(self) -> bool:
@@ -66,42 +57,17 @@ class Drawing:
     @property
     def complete(self) -> bool:
         """True when the picture is what `render` makes of the scene."""
-        done = self.drawer.idle and all(side.share == 1.0 for side in self.sides)
+        done = self.drawer.idle and all(side.share == 1.0 for side in self.drawer.sides)
         return done and not self.pending and self.session.document is self.document
 
     @property
     def shows_something(self) -> bool:
-        return self.sides != [] if self.session.in_curtain else self.refiner.frames != []
-
-    @property
-    def frame(self) -> int:
-        """The frame of the curtain that is shown; 0 for a cloth."""
-        return self.player.frame if self.session.in_curtain and self.player else 0
+        return self.drawer.sides != []
 
     @property
     def cold(self) -> bool:
         """True while something is left to compile when nobody does anything."""
         return not self.session.in_curtain and self.refiner.cold
-
-    def status(self) -> list[str]:
-        """What is going on, in words."""
-        if self.session.in_curtain and self.player is not None:
-            return self.player.status()
-        return self.refiner.status(self.session.scene.method)
-
-    @property
-    def camera(self) -> Camera:
-        """The camera of the picture."""
-        shown = self.session.shown
-        return shown.view if self.session.in_curtain else self.refiner.camera(shown)
-
-    @property
-    def mesh(self) -> Mesh | None:
-        """What is looked at; None before the first picture."""
-        if self.session.in_curtain:
-            curtain = self.player.curtain if self.player else None
-            return curtain.simulation.mesh() if curtain else None
-        return self.refiner.frames[0].mesh if self.refiner.frames else None
 
     def picture(self) -> np.ndarray:
         """What `render` returns for the scene: float32 [H, W, 3 or 4], linear, top row first; once refined."""
@@ -114,8 +80,7 @@ class Drawing:
     def forget(self) -> None:
         """Draw anew, whatever has been drawn."""
         self.document = None
-        if self.player is not None:
-            self.player.forget()
+        self.player.forget()
 
     def go_to(self, frame: int) -> None:
         """Show a frame of the moving curtain, from the beginning on."""
@@ -177,8 +142,6 @@ class Drawing:
         self.document, self.pending = document, environment is None
         if environment is None:
             return fresh
-        if self.player is None:
-            self.player = Player(self.ctx)
         if self.player.show(scene, environment, *others, layered=bool(others) and document.layered):
             fresh = False
             if self.tree is not None:
@@ -210,7 +173,7 @@ class Drawing:
         drawn = not tree.idle and seconds > 0.003
         if drawn:
             tree.work(seconds)
-        built = self.player.built if self.player is not None else None
+        built = self.player.built
         if built is not None and built != self._tree_shows and tree.follow(built[0]):
             self._tree_shows = built
         return drawn  # the panel says how many boxes there are
@@ -231,11 +194,13 @@ class Drawing:
         """Put the picture into a rectangle of the window."""
         document, shown = self.session.document, self.session.shown
         look = Look(shown.exposure, shown.view_transform, getattr(shown, "background", True))
-        self._screen.draw(self.sides, look, rectangle, document.compare, document.split, document.difference_scale)
+        self._screen.draw(
+            self.drawer.sides, look, rectangle, document.compare, document.split, document.difference_scale
+        )
 
     def reload_shaders(self) -> None:
         """Take the shaders as they are now; when they do not compile, keep the old ones and say why."""
-        curtain = self.player.curtain if self.player is not None else None
+        curtain = self.player.curtain
         try:
             with recompiled(self.ctx):
                 refiner = Refiner(self.ctx)
@@ -252,7 +217,7 @@ class Drawing:
         self.refiner = refiner
         if curtain is not None:
             self._go_to = self.player.frame
-            self.player.release()
-            self.player = Player(self.ctx)
+        self.player.release()
+        self.player = Player(self.ctx)
         self.forget()
         self.messages.note("shaders reloaded")

@@ -116,7 +116,7 @@ class Files:
         target = check_output(Path(path.strip()).expanduser())
         if panels and target.suffix.lower() != ".png":
             raise InputError(f"{target}: the window with its panels is saved as .png")
-        if self.session.in_curtain and self.actions.playing:
+        if self.session.in_curtain and self.actions.player.playing:
             self.actions.toggle_play()
         if self.actions.complete:
             self._write(target, panels)

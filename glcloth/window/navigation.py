@@ -88,9 +88,9 @@ class Navigation:
                 once[key]()
 
     def _with_control(self, shift: bool) -> tuple[dict[str | int, Callable], dict[str | int, Callable]]:
-        actions, files = self.actions, self.files
+        session, files = self.session, self.files
         save = lambda: files.save_scene(files.names["scene"])  # noqa: E731
-        return {"z": actions.redo if shift else actions.undo, "y": actions.redo}, {"s": save, "o": files.choose}
+        return {"z": session.redo if shift else session.undo, "y": session.redo}, {"s": save, "o": files.choose}
 
     def _plain(self) -> tuple[dict[str | int, Callable], dict[str | int, Callable]]:
         actions, session = self.actions, self.session
@@ -101,7 +101,7 @@ class Navigation:
             glfw.KEY_TAB: actions.layout.toggle_panels,
         }
         if session.in_curtain:
-            return {glfw.KEY_RIGHT: actions.step}, {
+            return {glfw.KEY_RIGHT: actions.player.step}, {
                 **once,
                 glfw.KEY_SPACE: actions.toggle_play,
                 "t": actions.toggle_tree,

@@ -20,19 +20,22 @@ from .dialogs import available
 from .fabric_panel import FabricPanel
 from .files import Files
 from .refine import METHODS
-from .widgets import AMBER, CLAMP, GREY, RED, button_if, chooser, control, help_text, neat, tip
+from .widgets import AMBER, CLAMP, GREY, RED, Panel, buttons, chooser, help_text, neat, tip
 
 LIGHT = {
     c.name: c
     for c in controls(Scene, ("lobes", "shadows", "env_rotate", "exposure", "spp", "background", "ground_color"))
 }
+_FLAGS = imgui.WindowFlags_
+FLOATING = (_FLAGS.no_decoration | _FLAGS.always_auto_resize | _FLAGS.no_nav | _FLAGS.no_saved_settings).value
 
 
-class Panels:
-    """Draws the panels and turns what is done in them into edits."""
+class Panels(Panel):
+    """All of the panels."""
 
     def __init__(self, actions: Actions, files: Files):
-        self.actions, self.files, self.session = actions, files, actions.session
+        super().__init__(actions)
+        self.files = files
         self.fabric, self.curtain = FabricPanel(actions), CurtainPanel(actions)
         self.open_path = ""
         self.with_panels = False
@@ -51,46 +54,32 @@ class Panels:
         fixed = flags.no_move | flags.no_resize | flags.no_collapse | flags.no_title_bar | flags.no_saved_settings
         imgui.begin("panels", None, fixed)
         imgui.push_item_width(0.52 * width)
-        self._history()
+        actions, session = self.actions, self.session
+        buttons(
+            ("Undo", session.undo, session.can_undo),
+            ("Redo", session.redo, session.can_redo),
+            ("Home", actions.home, True),
+            ("Frame", actions.frame_mesh, True),
+            ("Hide panels", actions.layout.toggle_panels, True),
+        )
         self._mode()
         in_curtain = self.session.in_curtain
         opened = imgui.TreeNodeFlags_.default_open.value
-        if in_curtain and imgui.collapsing_header("Curtain##section", opened):
-            self.curtain.draw()
-        if not in_curtain and imgui.collapsing_header("Scene", opened):
-            self._scene()
-        if imgui.collapsing_header("Fabric", opened):
-            self.fabric.draw()
-        if imgui.collapsing_header("Light", opened):
-            self._light()
-        if imgui.collapsing_header("View"):
-            self._view()
-        if imgui.collapsing_header("Compare A and B"):
-            self._compare()
-        if imgui.collapsing_header("Files"):
-            self._files()
-        if imgui.collapsing_header("Keys and mouse"):
-            self._keys()
+        for title, draw, flags in (
+            ("Curtain##section", self.curtain.draw, opened) if in_curtain else ("Scene", self._scene, opened),
+            ("Fabric", self.fabric.draw, opened),
+            ("Light", self._light, opened),
+            ("View", self._view, 0),
+            ("Compare A and B", self._compare, 0),
+            ("Files", self._files, 0),
+            ("Keys and mouse", self._keys, 0),
+        ):
+            if imgui.collapsing_header(title, flags):
+                draw()
         imgui.pop_item_width()
         imgui.end()
 
     # -- sections ----------------------------------------------------------------------------------------------------
-
-    def _history(self) -> None:
-        if button_if("Undo", self.session.can_undo):
-            self.actions.undo()
-        imgui.same_line()
-        if button_if("Redo", self.session.can_redo):
-            self.actions.redo()
-        imgui.same_line()
-        if imgui.button("Home"):
-            self.actions.home()
-        imgui.same_line()
-        if imgui.button("Frame"):
-            self.actions.frame_mesh()
-        imgui.same_line()
-        if imgui.button("Hide panels"):
-            self.actions.layout.toggle_panels()
 
     def _mode(self) -> None:
         mode = self.session.document.mode
@@ -105,25 +94,25 @@ class Panels:
         actions, session, scene = self.actions, self.session, self.session.scene
         origin = session.chosen
         if new := chooser("fabric", origin if isinstance(origin, str) else origin.name, builtin_fabrics()):
-            actions.attempt(actions.choose_fabric, new)
+            self.attempt(actions.choose_fabric, new)
         if new := chooser("mesh", scene.mesh, list(BUILTIN_MESHES)):
-            actions.attempt(session.edit_scene, mesh=new)
+            self.attempt(session.edit_scene, mesh=new)
         if new := chooser("environment", scene.env, list(BUILT_IN_NAMES)):
-            actions.attempt(session.edit_scene, env=new)
+            self.attempt(session.edit_scene, env=new)
         self._open_field()
         self._around(scene)
         if new := chooser("method", scene.method, list(METHODS)):
-            actions.attempt(session.edit_scene, method=new)
+            self.attempt(session.edit_scene, method=new)
         self._settings(scene, session.edit_scene, "a")
         self._value(LIGHT["spp"])
 
     def _around(self, scene: Scene) -> None:
         """What stands about the cloth."""
-        actions, session = self.actions, self.session
+        session = self.session
         changed, on = imgui.checkbox("ground", scene.ground != "off")
         tip("a matt plane under the cloth and the objects")
         if changed:
-            actions.attempt(session.edit_scene, ground="auto" if on else "off")
+            self.attempt(session.edit_scene, ground="auto" if on else "off")
         imgui.same_line()
         if imgui.button("Object"):
             self.files.choose_object(str(Path(self.open_path.strip()).expanduser()) if self.open_path.strip() else "")
@@ -131,7 +120,7 @@ class Panels:
         for number, name in enumerate(scene.objects):
             if imgui.small_button(f"x##object {number}"):
                 left = scene.objects[:number] + scene.objects[number + 1 :]
-                actions.attempt(session.edit_scene, objects=left)
+                self.attempt(session.edit_scene, objects=left)
             imgui.same_line()
             imgui.text_colored(GREY, f"object: {Path(name).name}")
         if scene.ground != "off":
@@ -140,21 +129,17 @@ class Panels:
     def _settings(self, scene: Scene, edit, key: str) -> None:
         imgui.push_id(key)
         for item in scene_controls(scene.method):
-            changed, new = control(item, getattr(scene, item.name))
-            if changed:
-                self.actions.attempt(edit, f"{key} {item.name}", **{item.name: new})
+            self.field(item, scene, edit, f"{key} {item.name}")
         imgui.pop_id()
 
     def _value(self, item: Control) -> None:
-        changed, new = control(item, getattr(self.session.shown, item.name))
-        if changed:
-            self.actions.attempt(self.session.edit_shown, item.name, **{item.name: new})
+        self.field(item, self.session.shown, self.session.edit_shown, item.name)
 
     def _view(self) -> None:
         layout, shown = self.actions.layout, self.session.shown
         self._value(LIGHT["exposure"])
         if new := chooser("view transform", shown.view_transform, list(VIEW_TRANSFORMS)):
-            self.actions.attempt(self.session.edit_shown, view_transform=new)
+            self.attempt(self.session.edit_shown, view_transform=new)
         if not self.session.in_curtain:
             self._value(LIGHT["background"])
         width, height = shown.size
@@ -162,7 +147,7 @@ class Panels:
         if not layout.follow:
             changed, new = imgui.input_int2("size", [width, height], imgui.InputTextFlags_.enter_returns_true.value)
             if changed:
-                self.actions.attempt(self._set_size, tuple(new))
+                self.attempt(self._set_size, tuple(new))
 
     def _set_size(self, size: tuple[int, int]) -> None:
         self.session.move(size=self.session.shown.changed(size=size).size)
@@ -188,7 +173,7 @@ class Panels:
         actions, session = self.actions, self.session
         if session.in_curtain:
             if new := chooser("environment", session.curtain.env, list(BUILT_IN_NAMES)):
-                actions.attempt(session.edit_curtain, env=new)
+                self.attempt(session.edit_curtain, env=new)
             self._open_field()
             self._value(LIGHT["env_rotate"])
             return
@@ -214,7 +199,7 @@ class Panels:
         auto = scene.lobes == "auto"
         changed, auto = imgui.checkbox("K found automatically", auto)
         if changed:
-            self.actions.attempt(edit, lobes="auto" if auto else 10)
+            self.attempt(edit, lobes="auto" if auto else 10)
         if auto:
             return
         item = LIGHT["lobes"]
@@ -222,7 +207,7 @@ class Panels:
         changed, new = imgui.slider_int("K, Gaussians", shown, int(item.low), int(item.high), "%d", CLAMP)
         help_text(item)
         if changed:
-            self.actions.attempt(edit, "lobes", lobes=new)
+            self.attempt(edit, "lobes", lobes=new)
 
     def _compare(self) -> None:
         session, document = self.session, self.session.document
@@ -231,11 +216,8 @@ class Panels:
                 session.compare(how)
             imgui.same_line()
         imgui.new_line()
-        if imgui.button("B = A"):
-            session.keep_as_other()
-        imgui.same_line()
-        if button_if("Swap A and B", document.shown_other is not None):
-            session.swap()
+        there = document.shown_other is not None
+        buttons(("B = A", session.keep_as_other, True), ("Swap A and B", session.swap, there))
         document = session.document
         if document.compare == "split":
             changed, new = imgui.slider_float("split at", document.split, 0.0, 1.0, "%.3f", CLAMP)
@@ -253,11 +235,11 @@ class Panels:
             self.curtain.other(other)
         else:
             if new := chooser("method of B", other.method, list(METHODS)):
-                self.actions.attempt(session.edit_other, method=new)
+                self.attempt(session.edit_other, method=new)
             self._settings(other, session.edit_other, "b")
         value = other.fabric if isinstance(other.fabric, str) else other.fabric.name
         if new := chooser("fabric of B", value, builtin_fabrics()):
-            self.actions.attempt(session.edit_other, fabric=new)
+            self.attempt(session.edit_other, fabric=new)
 
     def _files(self) -> None:
         files = self.files
@@ -268,11 +250,7 @@ class Panels:
         ):
             self._save_row(name, kinds, save)
         _, self.with_panels = imgui.checkbox("with panels (.png)", self.with_panels)
-        if imgui.button("Copy command line"):
-            files.copy_command()
-        imgui.same_line()
-        if imgui.button("Copy Python"):
-            files.copy_python()
+        buttons(("Copy command line", files.copy_command, True), ("Copy Python", files.copy_python, True))
 
     def _save_row(self, name: str, kinds: list[str], save: Callable[[str], None]) -> None:
         names, label = self.files.names, f"Save {name}"
@@ -304,12 +282,7 @@ class Panels:
         actions, scale = self.actions, self.actions.layout.scale
         imgui.set_next_window_pos((8 * scale, 8 * scale))
         imgui.set_next_window_bg_alpha(0.55)
-        flags = imgui.WindowFlags_
-        imgui.begin(
-            "overlay",
-            None,
-            flags.no_decoration | flags.always_auto_resize | flags.no_inputs | flags.no_nav | flags.no_saved_settings,
-        )
+        imgui.begin("overlay", None, FLOATING | imgui.WindowFlags_.no_inputs.value)
         if not actions.shows_something:
             imgui.text(actions.waits_for or "starting")
         else:
@@ -328,13 +301,10 @@ class Panels:
         if not messages.lines:
             return
         io = imgui.get_io()
-        flags = imgui.WindowFlags_
         width = io.display_size.x - layout.panel_width() / io.display_framebuffer_scale.x
         imgui.set_next_window_pos((8 * layout.scale, io.display_size.y - 8 * layout.scale), 0, (0.0, 1.0))
         imgui.set_next_window_bg_alpha(0.85)
-        imgui.begin(
-            "messages", None, flags.no_decoration | flags.always_auto_resize | flags.no_saved_settings | flags.no_nav
-        )
+        imgui.begin("messages", None, FLOATING)
         imgui.push_text_wrap_pos(max(width - 60 * layout.scale, 100.0))
         for number, (kind, text) in enumerate(messages.lines):
             if imgui.small_button(f"x##{number}"):

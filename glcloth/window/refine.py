@@ -12,6 +12,7 @@ import moderngl
 
 from ..fabric import Fabric
 from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
 from ..light.environment import rotation_y
@@ -66,8 +67,13 @@ class Refiner(Slices):
             objects=ready.objects,
         )
 
+    @property
+    def mesh(self) -> Mesh | None:
+        """The cloth of the present frames; None before the first."""
+        return self.frames[0].mesh if self.frames else None
+
     def camera(self, scene: Scene) -> Camera:
-        """The camera that shows the cloth of the present frames as a scene says."""
+        """The camera that shows it as a scene says."""
         return picture.default_camera(self.frames[0].mesh, scene)
 
     def show(self, frames: list[Frame]) -> bool:
@@ -79,13 +85,13 @@ class Refiner(Slices):
         self._begin(len(frames))
         return True
 
-    def status(self, method: str) -> list[str]:
+    def status(self, scene: Scene) -> list[str]:
         """How far the picture is, in words."""
         unfinished = [side for side in self.sides if side.share < 1.0]
         state = f"{self.full_ms:.0f} ms, {self.covered} pixels covered" if self.full_ms else "done"
         if unfinished:
             state = refining(min(unfinished, key=lambda side: side.share))
-        return [f"{method}: {state}; preview {self.preview_ms:.0f} ms"]
+        return [f"{scene.method}: {state}; preview {self.preview_ms:.0f} ms"]
 
     @property
     def cold(self) -> bool:

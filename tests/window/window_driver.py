@@ -114,7 +114,7 @@ def events(folder):
     out["undone"] = app.session.scene.env_rotate
     during(app, ["key", "ctrl+shift+z"])
     out["redone"] = app.session.scene.env_rotate
-    app.actions.undo()
+    app.session.undo()
     settle(app)
     # Files: a bad one leaves everything as it was.
     (folder / "bad.hdr").write_bytes(b"nothing")
@@ -230,7 +230,7 @@ def curtain(folder):
     app.drawing.player.step(3)
     settle(app)
     third = app.actions.picture()
-    out["frames"] = [app.drawing.frame, bool(np.abs(third - first).max() > 0.01)]
+    out["frames"] = [app.actions.frame, bool(np.abs(third - first).max() > 0.01)]
     for name in ("c.exr", "c.png"):
         app.files.save_picture(str(folder / name))
     app.files.save_scene(str(folder / "c.toml"))
@@ -260,10 +260,10 @@ def curtain(folder):
             app.session.curtain.depth,
             app.session.fabric.name,
             len(app.drawing.player.sides),
-            app.drawing.frame,
+            app.actions.frame,
         ]
         for _ in range(3):
-            app.actions.undo()
+            app.session.undo()
         settle(app)
     same = []
     for name in ("c.exr", "c.png"):
@@ -275,7 +275,7 @@ def curtain(folder):
     out["reopened"] = same
     app.files.open(str(folder / "c.toml"))
     settle(app)
-    out["scene_reopened"] = bool(np.array_equal(app.actions.picture(), first)) and app.drawing.frame == 0
+    out["scene_reopened"] = bool(np.array_equal(app.actions.picture(), first)) and app.actions.frame == 0
     # What changes while it moves, and what hangs it anew.
     app.drawing.player.step(2)
     settle(app)
@@ -283,17 +283,17 @@ def curtain(folder):
     app.drawing.player.step(1)
     settle(app)
     out["live"] = [
-        app.drawing.frame,
+        app.actions.frame,
         app.drawing.player.touched,
         app.drawing.player.curtain.simulation.cloth.parameters.mass,
     ]
     app.session.edit_transmission(rho=0.2)
     settle(app)
-    out["openness"] = [app.drawing.frame, round(app.drawing.player.curtain.simulation.parameters.openness, 6)]
+    out["openness"] = [app.actions.frame, round(app.drawing.player.curtain.simulation.parameters.openness, 6)]
     app.session.hang(fullness=1.5)
     settle(app)
-    out["anew"] = [app.drawing.frame, app.drawing.player.touched]
-    app.actions.undo()
+    out["anew"] = [app.actions.frame, app.drawing.player.touched]
+    app.session.undo()
     settle(app)
     out["undone"] = app.session.curtain.curtain.fullness
     pictures = []
@@ -307,7 +307,7 @@ def curtain(folder):
     out["brute_has_no_tree"] = app.drawing.tree.boxes
     app.session.edit_curtain(accelerator="lbvh")
     settle(app)
-    out["tree"] = [app.drawing.tree.boxes > 20, app.drawing.tree.frame == app.drawing.frame]
+    out["tree"] = [app.drawing.tree.boxes > 20, app.drawing.tree.frame == app.actions.frame]
     app.actions.reload_shaders()
     settle(app)
     out["reloaded"] = [app.messages.lines[-1][1], bool(np.array_equal(app.actions.picture(), pictures[1]))]
@@ -318,7 +318,7 @@ def curtain(folder):
     app.actions.attempt(app.session.edit_curtain, room=str(folder / "no_room.obj"))
     settle(app)
     out["bad_room"] = "no_room.obj" in app.messages.lines[-1][1] and app.session.document == before
-    text = sharing.as_command(app.session.curtain, frame=app.drawing.frame)
+    text = sharing.as_command(app.session.curtain, frame=app.actions.frame)
     out["command"] = text.splitlines()[-1]
     out["gl_error"] = app.host.ctx.error
     app.close()
@@ -483,8 +483,8 @@ def act(app, rng):
         lambda: session.edit_yarn(index, "c", **curve.move(yarn, 0, 0.0, float(rng.uniform(-99, 99)))),
         lambda: session.choose_fabric(pick(("linen", "velvet", "silk_shot"))),
         session.reset_fabric,
-        app.actions.undo,
-        app.actions.redo,
+        app.session.undo,
+        app.session.redo,
         session.swap,
         lambda: session.compare(pick(("off", "split", "difference"))),
         lambda: glfw.set_window_size(app.host.window, int(rng.integers(440, 520)), int(rng.integers(40, 120))),

@@ -103,8 +103,8 @@ class Hand:
 
     def frames(self, count):
         """Let the curtain play on by so many frames."""
-        end = self.app.drawing.frame + count
-        until(self.app, lambda: self.app.drawing.frame >= end, f"frame {end}")
+        end = self.app.actions.frame + count
+        until(self.app, lambda: self.app.actions.frame >= end, f"frame {end}")
 
 
 def linear(pixels):
@@ -190,7 +190,7 @@ def walk(folder, size):
     hand.do(["mousemove", *middle], ["key", "space"], wait=False)
     hand.frames(12)
     moved = hand.keep("curtain_playing")
-    out["played"] = app.drawing.player.playing and app.drawing.frame >= 12
+    out["played"] = app.drawing.player.playing and app.actions.frame >= 12
     out["played_seen"] = changed(still, moved, app)
     hand.drag("wind", 0.3, 0.55, wait=False)
     out["wind"] = app.session.curtain.curtain.wind
@@ -203,13 +203,13 @@ def walk(folder, size):
     until(app, lambda: app.drawing.tree.frame > first, "its next frame")
     write_image(folder / "tree_playing.png", linear(app.drawing.tree.pixels()))
     # How far it lags depends on the machine; it leaves out frames rather than holding the curtain up.
-    out["tree"] = [app.drawing.tree.boxes > 100, app.drawing.tree.frame <= app.drawing.frame]
+    out["tree"] = [app.drawing.tree.boxes > 100, app.drawing.tree.frame <= app.actions.frame]
     hand.do(["mousemove", *middle], ["key", "space"])
     hand.keep("curtain_paused")
     out["paused"] = not app.drawing.player.playing and app.drawing.drawer.sides[0].share == 1.0
     hand.click("leaves only", 0.05)
     write_image(folder / "tree_level.png", linear(app.drawing.tree.pixels()))
-    out["level"] = [app.drawing.tree.level, app.drawing.tree.frame == app.drawing.frame]
+    out["level"] = [app.drawing.tree.level, app.drawing.tree.frame == app.actions.frame]
     hand.click("tree in a window of its own", 0.05)
     out["tree_closed"] = app.drawing.tree is None
     hand.click("accelerator", 0.3)
