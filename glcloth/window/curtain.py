@@ -183,9 +183,7 @@ class Player(Slices):
                     yield from self._build(scene)
             scale = self._scale(scenes, PLAYING if self.playing else MOVING)
             playing = self.playing
-            for number, scene in enumerate(scenes):
-                for _ in self._picture(number, scene, "preview", scale, 1):
-                    yield False
+            yield from self._quick(scenes, "preview", scale)
             last, self._last_frame = self._last_frame, now()
             if playing and last:
                 new = 1e3 * (self._last_frame - last)
@@ -194,12 +192,19 @@ class Player(Slices):
             if not self.playing and not self._again:
                 break
         self._refining = True
-        spp = self.curtain.scene.spp
-        if scale > 2.0 and self._guess(scenes, 1.0) * spp > HALF_FROM:
-            for number, scene in enumerate(scenes):
-                for _ in self._picture(number, scene, "half", 2.0, 1):
-                    yield False
+        if scale > 2.0 and self._guess(scenes, 1.0) * self.curtain.scene.spp > HALF_FROM:
+            yield from self._quick(scenes, "half", 2.0)
             yield True
+        yield from self._full(scenes, self.curtain.scene.spp)
+
+    def _quick(self, scenes: list[CurtainScene], stage: str, scale: float) -> Iterator[bool]:
+        """Pictures of one sample."""
+        for number, scene in enumerate(scenes):
+            for _ in self._picture(number, scene, stage, scale, 1):
+                yield False
+
+    def _full(self, scenes: list[CurtainScene], spp: int) -> Iterator[bool]:
+        """The complete pictures, seen as they grow."""
         for number, scene in enumerate(scenes):
             seen = now()
             for done in self._picture(number, scene, "full", 1.0, spp):
