@@ -8,7 +8,8 @@ Samplers, images and uniforms go by their own name, storage blocks by the name o
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import moderngl
@@ -270,6 +271,18 @@ class Programs:
 def programs(ctx: moderngl.Context) -> Programs:
     """The programs of a context."""
     return of_context(Programs, ctx)
+
+
+@contextmanager
+def recompiled(ctx: moderngl.Context) -> Iterator[None]:
+    """Within, and from then on, programs are those of the files as they are now; an error brings the old ones back."""
+    before = programs(ctx)
+    del ctx.extra[Programs]
+    try:
+        yield
+    except BaseException:
+        ctx.extra[Programs] = before
+        raise
 
 
 def _key(path: str, defines: Inputs | None, virtual: Mapping[str, str] | None) -> tuple:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ..curtain.show import CurtainScene
-from ..fabric import Fabric, load_fabric
+from ..fabric import Fabric
 from ..geometry.mesh import Mesh
 from ..geometry.mesh_files import load_mesh
 from ..geometry.props import Objects, arrange, load_solids
@@ -105,10 +105,6 @@ class Resources:
         key = fabric.model_dump_json(exclude={"name", "transmission"})
         albedo = self._get("albedo", key, lambda: mean_albedo(fabric), "the fabric's albedo")
         return None if albedo is None else environment
-
-    def fabric(self, name: str) -> Fabric:
-        """A fabric of a name or file, read now (it is a small file)."""
-        return load_fabric(name)
 
     def _get(self, kind: str, key: Any, make: Callable[[], Any], words: str, beside: bool = True) -> Any:
         found = self._kinds.setdefault(kind, OrderedDict())

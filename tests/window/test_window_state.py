@@ -328,6 +328,6 @@ def test_the_answer_to_an_edit_is_shown_before_anything_else_is_drawn():
                 self._refining = "answer" in self.drawn
 
     plan = Plan()
-    plan._begin()
+    plan._begin(1)
     assert plan.work(1e9) and plan.drawn == ("placed", "answer")
     assert plan.work(1e9) and plan.drawn[2:] == ("half", "full") and plan.idle
