@@ -6,6 +6,7 @@ import gc
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import moderngl
 import numpy as np
@@ -30,7 +31,7 @@ from ..methods.direct.method import Direct
 from ..methods.paper.method import Paper
 from ..methods.reference import Reference
 from ..progress import check_stopped, track
-from ..scene import Scene, load_scene
+from ..scene import Scene, View, load_scene
 from ..settings import MethodName, Quality, Settings
 from ..settings import Shadows as ShadowMode
 from ..visibility.bounce import Gather
@@ -38,6 +39,9 @@ from ..visibility.pixels import SEEN_ALL, Beside, Shadows, is_next_pose
 from ..visibility.probes import lift_off_facets, subdivided
 from ..visibility.solids import Around
 from .adaptive import AdaptiveRate
+
+if TYPE_CHECKING:
+    from ..curtain.show import CurtainShow
 
 METHODS = {"direct": Direct, "paper": Paper, "reference": Reference}
 BACKGROUND_UNIT = 5
@@ -113,6 +117,8 @@ class Renderer:
         self._gbuffer: GBuffer | None = None
         self._gbuffers: dict[tuple[int, int], GBuffer] = {}  # the one used last is the last
         self._background: tuple[Environment, moderngl.Texture] | None = None
+        self._show: CurtainShow | None = None
+        self._last: Frame | CurtainShow | None = None  # what was rendered last
 
     def __enter__(self) -> Renderer:
         return self
@@ -122,6 +128,9 @@ class Renderer:
 
     def close(self) -> None:
         """Free the context and all that lives on it."""
+        if self._show is not None and self.ctx is not None:
+            self._show.release()
+        self._show = self._last = None
         if self._owns_context and self.ctx is not None:
             gc.collect()  # objects that wait for collection must go while their context is alive
             self.ctx.release()
@@ -142,10 +151,12 @@ class Renderer:
         **changes,
     ) -> Frame:
         """Read the files of a scene and fit its lights. Parameters as for `render`."""
-        scene = load_scene(scene) if isinstance(scene, str) else scene or Scene()
+        scene = Scene() if scene is None else load_scene(scene)
         if objects is not None and not isinstance(objects, Objects):
             changes, objects = {**changes, "objects": objects}, None
         scene = scene.changed(**changes) if changes else scene
+        if scene.curtain is not None:
+            raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")
         fabric = load_fabric(scene.fabric if fabric is None else fabric)
         mesh = mesh if isinstance(mesh, Mesh) else self._loaded(load_mesh, mesh or scene.mesh)
         if not isinstance(environment, Environment):
@@ -191,8 +202,10 @@ class Renderer:
         self._objects = mesh, solids, look, objects
         return objects
 
-    def _loaded(self, load, name: str):
+    def _loaded(self, load, name):
         """What `load` makes of a name or file; the last one of each kind is kept until its file changes."""
+        if not isinstance(name, str):
+            return name
         path = Path(name)
         stamp = (name, path.stat().st_mtime_ns if path.is_file() else 0)
         if self._files.get(load, (None, None))[0] != stamp:
@@ -217,7 +230,8 @@ class Renderer:
 
         Parameters
         ----------
-        scene : a Scene, the name of a built-in one, or a file; default: silk on the built-in cloth in the studio
+        scene : a Scene, the name of a built-in one, or a file; default: silk on the built-in cloth in the studio.
+            The curtain is traced; for all else of it see `show`.
         fabric, mesh, environment : a name, a file, or the object itself
         objects : names and files of meshes that stand about the cloth, or Objects
         lights : Lights or SphericalGaussians in world space instead of a fit of the environment
@@ -227,10 +241,51 @@ class Renderer:
         Returns float32 [H, W, 3], linear Rec. 709, top row first; [H, W, 4] with premultiplied alpha when the
         background is off. Raises InputError for wrong input, and what the methods raise.
         """
+        scene = Scene() if scene is None else load_scene(scene)
+        if scene.curtain is not None:
+            return self.show(scene, **changes).picture()
         return self.render_frame(self.prepare(scene, **changes))
+
+    def show(
+        self,
+        scene: Scene | str,
+        *,
+        environment: Environment | str | None = None,
+        camera: Camera | None = None,
+        **changes,
+    ) -> CurtainShow:
+        """The curtain of a scene as it hangs at its frame: its picture, layers and tree. It is this renderer's, and another
+        call may change it. Parameters as for `render`, without mesh, objects and lights. Raises InputError."""
+        from ..curtain.show import show_at_its_frame  # cloth starts without it
+
+        if isinstance(environment, str):
+            changes["env"], environment = environment, None
+        if camera is not None:
+            changes["camera"] = View.of(camera)
+        scene = load_scene(scene).changed(**{name: value for name, value in changes.items() if value is not None})
+        if scene.curtain is None:
+            raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
+        scene = scene.model_copy(update={"fabric": self._loaded(load_fabric, scene.fabric)})
+        environment = environment or self._loaded(load_environment, scene.env)
+        self._last = self._show = show_at_its_frame(self.ctx, scene, environment, self._show)
+        return self._show
+
+    def facts(self) -> dict:
+        """What the last picture of `render` shows, in plain values."""
+        if not isinstance(self._last, Frame):
+            return {} if self._last is None else self._last.facts()
+        frame = self._last
+        return {
+            "method": frame.scene.method,
+            "fabric": frame.fabric.name,
+            "lobes": len(frame.lights.gaussians),
+            "suns": len(frame.lights.suns),
+            "covered_pixels": self.covered_pixels(),
+        }
 
     def render_frame(self, frame: Frame) -> np.ndarray:
         """Draw a prepared frame and read it back; returns what `render` returns."""
+        self._last = frame
         self.draw(frame)
         picture = self._target(frame.scene.size).read()
         return picture[..., :3] if frame.scene.background else picture

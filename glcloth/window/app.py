@@ -11,13 +11,13 @@ from imgui_bundle import imgui  # isort: skip
 import glfw
 import numpy as np
 
-from ..curtain.show import CurtainScene
+from ..curtain.show import camera_of
 from ..errors import InputError, ShaderError
 from ..light.environment import rotation_y
 from ..picture.renderer import Frame, Renderer
-from ..scene import Scene
+from ..scene import CurtainParameters, Scene
 from .curtain import Player
-from .files import Files, check_shown, frame_of
+from .files import Files, frame_of
 from .navigation import Navigation
 from .panels import Panels
 from .refine import Refiner
@@ -34,7 +34,7 @@ PATIENCE = 0.06  # seconds
 QUIET = 0.7  # seconds without an event after which nobody is taken to be at work
 WAKE = 3  # pictures of the panels after an event: hovering and fading settle within these
 NOT_LIGHT = ("exposure", "view_transform")  # how a picture is shown
-_CURTAIN_LOOK = CurtainScene()
+_CURTAIN_LOOK = Scene(curtain=CurtainParameters())
 
 
 class App:
@@ -49,8 +49,7 @@ class App:
     Raises NoOpenGLError without a display or OpenGL 4.3, and InputError for a scene that cannot be shown.
     """
 
-    def __init__(self, scene: Scene | CurtainScene, watch: bool = False, source: str | None = None):
-        check_shown(scene)
+    def __init__(self, scene: Scene, watch: bool = False, source: str | None = None):
         given = "size" in scene.model_fields_set
         wanted = tuple(scene.size if given else DEFAULT_SIZE)
         self.session = Session(scene.model_copy(update={"size": wanted}))
@@ -65,8 +64,8 @@ class App:
         self._full_begin = 0.0
         self._awake = WAKE
         self._shown: Document | None = None
-        self._curtain_drawn: tuple[list[CurtainScene], bool] | None = None  # the sides, and whether B is layered
-        self._go_to: int | None = frame_of(source) if isinstance(scene, CurtainScene) else None
+        self._curtain_drawn: tuple[list[Scene], bool] | None = None  # the sides, and whether B is layered
+        self._go_to: int | None = frame_of(scene) if scene.curtain is not None else None
         self._ui_seconds = 0.005  # what the panels take of a step
         self._presented = 0.0
         self._last_heard = 0.0
@@ -339,7 +338,7 @@ class App:
             self.player.show(scene, environment, others[0] if others else None, document.layered)
             self._full_begin = time.perf_counter()
             if self.tree is not None:
-                self.tree.look_as(scene.view)
+                self.tree.look_as(camera_of(scene))
             fresh = False
         self._curtain_drawn = wanted
         if self._go_to is not None:

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..curtain.show import CurtainScene, CurtainShow
+from ..curtain.show import CurtainShow
 from ..gpu import shader
 from ..light.environment import Environment
+from ..scene import Scene
 from .refine import HALF_FROM, LADDER, Side
 from .slices import BUDGET, Slices
 
@@ -53,7 +54,7 @@ class Player(Slices):
         self.touched = False  # wind or cloth changed on the way: no other run comes to this shape
         self._fresh = fresh
         self._wanted = 0  # the frame to simulate up to
-        self._other: CurtainScene | None = None  # side B, and whether it is drawn as layers
+        self._other: Scene | None = None  # side B, and whether it is drawn as layers
         self._layered = False
         self._hanging: Iterator[float] | None = None
         self._moving: Iterator[None] | None = None
@@ -76,9 +77,7 @@ class Player(Slices):
         """The frame that it is on its way to."""
         return self._wanted
 
-    def show(
-        self, scene: CurtainScene, environment: Environment, other: CurtainScene | None = None, layered: bool = False
-    ) -> None:
+    def show(self, scene: Scene, environment: Environment, other: Scene | None = None, layered: bool = False) -> None:
         """Draw this scene from now on, and beside it the same curtain as `other` has its fabric, structure and rays;
         `layered`: as blended layers without shadows. Raises InputError when its files cannot be read."""
         before = None if self.curtain is None else self.curtain.simulation.parameters
@@ -89,7 +88,7 @@ class Player(Slices):
         self._other, self._layered = other, layered
         self._begin()
 
-    def _hang_anew(self, scene: CurtainScene, environment: Environment) -> None:
+    def _hang_anew(self, scene: Scene, environment: Environment) -> None:
         new = CurtainShow(self.ctx, scene, environment=environment, settle=False)
         self._plan = None
         if self.curtain is not None:
@@ -224,14 +223,14 @@ class Player(Slices):
         self._moving = None
         self.timings.simulate = 1e3 * self._simulated
 
-    def _scenes(self) -> list[CurtainScene]:
+    def _scenes(self) -> list[Scene]:
         """What the sides show."""
         return [self.curtain.scene, *([] if self._other is None else [self._other])]
 
     def _is_layered(self, number: int) -> bool:
         return number == 1 and self._layered
 
-    def _build(self, scene: CurtainScene) -> Iterator[bool]:
+    def _build(self, scene: Scene) -> Iterator[bool]:
         if self.curtain.is_built(scene.accelerator):
             return
         spent, begin = 0.0, time.perf_counter()
@@ -262,7 +261,7 @@ class Player(Slices):
 
     # -- pictures ----------------------------------------------------------------------------------------------------
 
-    def _picture(self, number: int, scene: CurtainScene, stage: str, scale: float, spp: int) -> Iterator[float]:
+    def _picture(self, number: int, scene: Scene, stage: str, scale: float, spp: int) -> Iterator[float]:
         """Draw a side at a size and put it to be seen; yields the share that is done."""
         if self._is_layered(number):
             size = self._size(scale)
@@ -273,7 +272,7 @@ class Player(Slices):
         else:
             yield from self._trace(number, scene, stage, scale, spp)
 
-    def _trace(self, number: int, scene: CurtainScene, stage: str, scale: float, spp: int) -> Iterator[float]:
+    def _trace(self, number: int, scene: Scene, stage: str, scale: float, spp: int) -> Iterator[float]:
         """Trace the frame at a size, tile by tile, and put it to be seen."""
         size = self._size(scale)
         key = _key(scene)
@@ -301,12 +300,12 @@ class Player(Slices):
         width, height = self.curtain.scene.size
         return max(1, round(width / scale)), max(1, round(height / scale))
 
-    def _guess(self, scenes: list[CurtainScene], scale: float) -> float:
+    def _guess(self, scenes: list[Scene], scale: float) -> float:
         """Seconds that pictures of one sample take."""
         width, height = self._size(scale)
         return sum(FIXED + 0.7 * width * height * self._pace.get(_key(scene), FIRST_PACE) for scene in scenes)
 
-    def _scale(self, scenes: list[CurtainScene], seconds: float) -> float:
+    def _scale(self, scenes: list[Scene], seconds: float) -> float:
         """The largest pictures that are traced in so many seconds: how much smaller they are."""
         return next((scale for scale in LADDER if self._guess(scenes, scale) <= seconds), LADDER[-1])
 
@@ -385,6 +384,6 @@ class Player(Slices):
         self._targets, self.sides, self.curtain = {}, [], None
 
 
-def _key(scene: CurtainScene) -> tuple:
+def _key(scene: Scene) -> tuple:
     """What the seconds that a pixel takes depend on."""
     return scene.accelerator, scene.depth

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from imgui_bundle import imgui  # isort: skip
 
 from ..curtain.hanging import LIVE
-from ..curtain.show import CurtainScene
 from ..fabric import builtin_fabrics
+from ..scene import Scene
 from .controls import controls, curtain_controls
 from .state import OWN
 from .widgets import CLAMP, GREY, button_if, chooser, control, tip
@@ -16,9 +16,9 @@ from .widgets import CLAMP, GREY, button_if, chooser, control, tip
 if TYPE_CHECKING:
     from .app import App
 
-RAYS = controls(CurtainScene, ("accelerator", "depth", "spp", "spread"))
+RAYS = controls(Scene, ("accelerator", "depth", "spp", "spread"))
 OTHER = [item for item in RAYS if item.name in OWN]
-LAMP = controls(CurtainScene, ("lamp_position", "lamp_intensity", "ambient"))
+LAMP = controls(Scene, ("lamp_position", "lamp_intensity", "ambient"))
 MOVING = [c for c in curtain_controls() if c.name in LIVE]
 HANGING = [c for c in curtain_controls() if c.name not in LIVE]
 
@@ -72,7 +72,7 @@ class CurtainPanel:
             imgui.text_colored(GREY, f"room: {scene.room or 'built in'}")
             imgui.tree_pop()
 
-    def _hanging(self, scene: CurtainScene) -> None:
+    def _hanging(self, scene: Scene) -> None:
         """Shape and size: applied when the slider is let go, for the curtain must settle again."""
         session = self.app.session
         for item in HANGING:
@@ -84,7 +84,7 @@ class CurtainPanel:
             if item.name in self._draft and done:
                 self.app.attempt(session.hang, None, **{item.name: self._draft.pop(item.name)})
 
-    def other(self, scene: CurtainScene) -> None:
+    def other(self, scene: Scene) -> None:
         """What side B has of its own beside its fabric."""
         session = self.app.session
         changed, layered = imgui.checkbox("blended layers, without shadows", session.document.layered)

@@ -8,6 +8,7 @@ from imgui_bundle import imgui  # isort: skip
 import glfw
 import numpy as np
 
+from ..curtain.show import camera_of
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..picture.renderer import default_camera
@@ -49,7 +50,7 @@ class Navigation:
         """The camera of the picture."""
         shown = self.app.session.shown
         if self.app.session.in_curtain:
-            return shown.view
+            return camera_of(shown)
         view = shown.camera
         if view.eye is not None and view.target is not None and view.fov_deg is not None:
             return Camera(view.eye, view.target, view.up, view.fov_deg)

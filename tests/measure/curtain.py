@@ -9,7 +9,6 @@ python tests/measure/curtain.py series FILE.png    the curtain over roughness, t
 """
 
 import sys
-from dataclasses import replace
 
 import curtain_scenes as scenes
 import numpy as np
@@ -18,10 +17,12 @@ from glcloth.accel.brute import Brute
 from glcloth.accel.kdtree import KdTree, KdTreeParameters
 from glcloth.accel.queries import RayQueries, make_structure
 from glcloth.accel.triangles import Triangles
-from glcloth.curtain.show import CurtainScene, CurtainShow, bench_curtain
+from glcloth.bench.curtain import bench_curtain
+from glcloth.curtain.show import CurtainShow, camera_of
 from glcloth.fabric import load_fabric
 from glcloth.gpu.context import create_context
 from glcloth.image import write_image
+from glcloth.scene import CurtainParameters, Scene
 from glcloth.twins import kdtree as exact
 from glcloth.twins import sheet
 
@@ -61,10 +62,10 @@ def compare(ctx, queries, triangles, view, where):
 
 def hits(ctx):
     queries = RayQueries(ctx)
-    with CurtainShow(ctx, CurtainScene(size=(320, 320))) as show:
+    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), size=(320, 320))) as show:
         for frame in (0, 60):
             show.advance(frame - show.frame)
-            compare(ctx, queries, show.triangles, show.scene.view, f"frame {frame}")
+            compare(ctx, queries, show.triangles, camera_of(show.scene), f"frame {frame}")
             pictures = {}
             for name in ("kdtree", "lbvh", "brute"):
                 show.scene = show.scene.changed(accelerator=name)
@@ -72,7 +73,7 @@ def hits(ctx):
             for name in ("kdtree", "lbvh"):
                 other = (pictures[name] != pictures["brute"]).any(-1).sum()
                 print(f"frame {frame}, 320x320: {other} pixels of {name} differ from brute", flush=True)
-        view = show.scene.view
+        view = camera_of(show.scene)
     for name, soup in scenes.degenerate_scenes().items():
         triangles = Triangles.of(ctx, soup.astype(np.float32))
         compare(ctx, queries, triangles, view, name)
@@ -81,14 +82,14 @@ def hits(ctx):
 
 def cost(ctx):
     """Frames of several curtains, and what a camera ray and a ray from the lamp to what it meets take."""
-    base = CurtainScene().curtain
+    base = CurtainParameters()
     for name, curtain, frames in (
         ("as it is", base, (0, 24, 48, 72, 100)),
-        ("fullness 1.5", replace(base, fullness=1.5), (0, 48)),
-        ("fullness 2.6", replace(base, fullness=2.6), (0, 48)),
-        ("wind 1 m/s", replace(base, wind=1.0), (48, 100)),
+        ("fullness 1.5", base.changed(fullness=1.5), (0, 48)),
+        ("fullness 2.6", base.changed(fullness=2.6), (0, 48)),
+        ("wind 1 m/s", base.changed(wind=1.0), (48, 100)),
     ):
-        with CurtainShow(ctx, CurtainScene(curtain=curtain)) as show:
+        with CurtainShow(ctx, Scene(curtain=curtain)) as show:
             for frame in frames:
                 show.advance(frame - show.frame)
                 for pairs in (True, False) if name == "as it is" and frame == 48 else (True,):
@@ -107,10 +108,10 @@ def cost_of(ctx, show, name, pairs):
     best = exact.sah_cost(exact.build(parts, C_ts), C_ts)
     queries = RayQueries(ctx)
     x, y = np.meshgrid(np.arange(160) * 2 + 1.0, np.arange(160) * 2 + 1.0)
-    d = np.stack([x, y, np.ones_like(x)], -1).reshape(-1, 3) @ show.scene.view.ray_from_pixel((320, 320)).T
-    hits = queries.closest_hit(tree, np.broadcast_to(show.scene.view.eye, d.shape), d, counted=True)
+    d = np.stack([x, y, np.ones_like(x)], -1).reshape(-1, 3) @ camera_of(show.scene).ray_from_pixel((320, 320)).T
+    hits = queries.closest_hit(tree, np.broadcast_to(camera_of(show.scene).eye, d.shape), d, counted=True)
     lamp, hit = np.array(show.scene.lamp_position), np.isfinite(hits.t)
-    way = np.array(show.scene.view.eye) + hits.t[hit, None] * d[hit] - lamp
+    way = np.array(camera_of(show.scene).eye) + hits.t[hit, None] * d[hit] - lamp
     lit = queries.closest_hit(tree, np.broadcast_to(lamp, way.shape), way, t_max=0.999, counted=True)
     print(
         f"{name:13} frame {show.frame:3}, pairs {pairs!s:5}: {len(parts)} parts, cost {got:.2f}, exact {best:.2f}: "
@@ -127,7 +128,7 @@ def growth(ctx, only=""):
         for name in ("kdtree", "lbvh", "brute"):
             if (name == "brute" and count > 12_786) or only not in ("", str(count)):
                 continue
-            scene = CurtainScene(size=(320, 320), accelerator=name)
+            scene = Scene(curtain=CurtainParameters(), size=(320, 320), accelerator=name)
             r = bench_curtain(ctx, scene, frames if name != "brute" else 1, count)
             cells = [r["triangles"], name, r["sim_ms"], r["build_ms"], r["trace_ms"], r["fps"], r["nodes"], r["depth"]]
             cells += [r.get("sah", ""), r["steps_per_ray"], r["tests_per_ray"], r.get("primary_rays_per_second", "")]
@@ -136,7 +137,7 @@ def growth(ctx, only=""):
 
 def strain(ctx):
     for name in FABRICS:
-        with CurtainShow(ctx, CurtainScene(fabric=name)) as show:
+        with CurtainShow(ctx, Scene(curtain=CurtainParameters(), fabric=name)) as show:
             longest = []
             for _ in range(126):
                 show.simulation.step(1 / 24)
@@ -179,7 +180,7 @@ def series(ctx, path):
         [{"tau": (v, v, v)} for v in (0.0, 0.3, 0.8, 2.0)],
         [{"rho": r, "k_a": t.k_a} for r in (0.9, 0.7, 0.5, 0.3)],
     ]
-    with CurtainShow(ctx, CurtainScene(size=(240, 240), spp=2)) as show:
+    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), size=(240, 240), spp=2)) as show:
         show.advance(30)
         for row in changes:
             pictures = []
