@@ -10,12 +10,11 @@ from .host import Host  # first: it brings the glfw library that imgui-bundle sh
 from imgui_bundle import imgui  # isort: skip
 import glfw
 
-from ..curtain.show import CurtainScene
 from ..scene import Scene
 from .actions import Actions
 from .clock import Clock
 from .drawing import Drawing
-from .files import Files, check_shown, frame_of
+from .files import Files, frame_of
 from .layout import PANEL, Layout
 from .messages import Messages
 from .navigation import Navigation
@@ -41,8 +40,7 @@ class App:
     Raises NoOpenGLError without a display or OpenGL 4.3, and InputError for a scene that cannot be shown.
     """
 
-    def __init__(self, scene: Scene | CurtainScene, watch: bool = False, source: str | None = None):
-        check_shown(scene)
+    def __init__(self, scene: Scene, watch: bool = False, source: str | None = None):
         given = "size" in scene.model_fields_set
         wanted = tuple(scene.size if given else DEFAULT_SIZE)
         self.session = Session(scene.model_copy(update={"size": wanted}))
@@ -62,8 +60,8 @@ class App:
         self.navigation = Navigation(self.actions, self.files)
         self.panels = Panels(self.actions, self.files)
         self._owed = False  # something is drawn and not yet shown
-        if isinstance(scene, CurtainScene):
-            self.drawing.go_to(frame_of(source))
+        if scene.curtain is not None:
+            self.drawing.go_to(frame_of(scene))
 
     def close(self) -> None:
         """Free everything and close the window."""

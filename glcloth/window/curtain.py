@@ -9,12 +9,13 @@ from itertools import chain
 import moderngl
 import numpy as np
 
-from ..curtain.show import CurtainScene, CurtainShow
+from ..curtain.show import CurtainShow, camera_of
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
 from ..light.environment import Environment
+from ..scene import Scene
 from .clock import now, timed
 from .pictures import Target, Targets
 from .refine import HALF_FROM, LADDER, NOT_LIGHT
@@ -27,7 +28,7 @@ REVEAL = 0.4  # seconds between two looks at a picture that grows
 FIRST_PACE = 2e-6  # seconds a pixel, before the first picture tells
 FIXED = 0.006  # seconds of a tile of no pixels: every generation of rays has its passes
 COPY = "passes/window/traced.frag"
-_LOOK = {name: getattr(CurtainScene(), name) for name in NOT_LIGHT}
+_LOOK = {name: getattr(Scene(), name) for name in NOT_LIGHT}
 
 
 @dataclass
@@ -54,7 +55,7 @@ class Player(Slices):
         self.hung = 0.0  # share of the hanging that is done
         self.touched = False  # wind or cloth changed on the way: no other run comes to this shape
         self.wanted = 0  # the frame that it is on its way to
-        self._other: CurtainScene | None = None  # side B, and whether it is drawn as layers
+        self._other: Scene | None = None  # side B, and whether it is drawn as layers
         self._layered = False
         self._shown: tuple | None = None  # what `show` was given last, but for how it is shown
         self._hanging: Iterator[float] | None = None
@@ -76,9 +77,9 @@ class Player(Slices):
         """The curtain as it hangs; None before the first."""
         return self.curtain.simulation.mesh() if self.curtain else None
 
-    def camera(self, scene: CurtainScene) -> Camera:
+    def camera(self, scene: Scene) -> Camera:
         """The camera that a scene says."""
-        return scene.view
+        return camera_of(scene)
 
     @property
     def built(self) -> tuple | None:
@@ -89,9 +90,7 @@ class Player(Slices):
         name = curtain.scene.accelerator
         return (curtain, curtain.frame, name) if curtain.is_built(name) else None
 
-    def show(
-        self, scene: CurtainScene, environment: Environment, other: CurtainScene | None = None, layered: bool = False
-    ) -> bool:
+    def show(self, scene: Scene, environment: Environment, other: Scene | None = None, layered: bool = False) -> bool:
         """Draw this scene from now on, and beside it the same curtain as `other` has its fabric, structure and rays;
         `layered`: as blended layers without shadows. False where only how it is shown differs from what is drawn
         already. Raises InputError when its files cannot be read."""
@@ -111,7 +110,7 @@ class Player(Slices):
         """Draw anew at the next `show`, whatever that is given."""
         self._shown = None
 
-    def _hang_anew(self, scene: CurtainScene, environment: Environment) -> None:
+    def _hang_anew(self, scene: Scene, environment: Environment) -> None:
         new = CurtainShow(self.ctx, scene, environment=environment, settle=False)
         self._plan = None
         if self.curtain is not None:
@@ -197,13 +196,13 @@ class Player(Slices):
             yield True
         yield from self._full(scenes, self.curtain.scene.spp)
 
-    def _quick(self, scenes: list[CurtainScene], stage: str, scale: float) -> Iterator[bool]:
+    def _quick(self, scenes: list[Scene], stage: str, scale: float) -> Iterator[bool]:
         """Pictures of one sample."""
         for number, scene in enumerate(scenes):
             for _ in self._picture(number, scene, stage, scale, 1):
                 yield False
 
-    def _full(self, scenes: list[CurtainScene], spp: int) -> Iterator[bool]:
+    def _full(self, scenes: list[Scene], spp: int) -> Iterator[bool]:
         """The complete pictures, seen as they grow."""
         for number, scene in enumerate(scenes):
             seen = now()
@@ -244,14 +243,14 @@ class Player(Slices):
             self.ctx.finish()
             yield
 
-    def _scenes(self) -> list[CurtainScene]:
+    def _scenes(self) -> list[Scene]:
         """What the sides show."""
         return [self.curtain.scene, *([] if self._other is None else [self._other])]
 
     def _is_layered(self, number: int) -> bool:
         return number == 1 and self._layered
 
-    def _build(self, scene: CurtainScene) -> Iterator[bool]:
+    def _build(self, scene: Scene) -> Iterator[bool]:
         if self.curtain.is_built(scene.accelerator):
             return
         spent = 0.0
@@ -263,7 +262,7 @@ class Player(Slices):
 
     # -- pictures ----------------------------------------------------------------------------------------------------
 
-    def _picture(self, number: int, scene: CurtainScene, stage: str, scale: float, spp: int) -> Iterator[float]:
+    def _picture(self, number: int, scene: Scene, stage: str, scale: float, spp: int) -> Iterator[float]:
         """Draw a side at a size and put it to be seen; yields the share that is done."""
         if self._is_layered(number):
             size = self._size(scale)
@@ -274,7 +273,7 @@ class Player(Slices):
         else:
             yield from self._trace(number, scene, stage, scale, spp)
 
-    def _trace(self, number: int, scene: CurtainScene, stage: str, scale: float, spp: int) -> Iterator[float]:
+    def _trace(self, number: int, scene: Scene, stage: str, scale: float, spp: int) -> Iterator[float]:
         """Trace the frame at a size, tile by tile, and put it to be seen."""
         size = self._size(scale)
         key = _key(scene)
@@ -300,12 +299,12 @@ class Player(Slices):
         width, height = self.curtain.scene.size
         return max(1, round(width / scale)), max(1, round(height / scale))
 
-    def _guess(self, scenes: list[CurtainScene], scale: float) -> float:
+    def _guess(self, scenes: list[Scene], scale: float) -> float:
         """Seconds that pictures of one sample take."""
         width, height = self._size(scale)
         return sum(FIXED + 0.7 * width * height * self._pace.get(_key(scene), FIRST_PACE) for scene in scenes)
 
-    def _scale(self, scenes: list[CurtainScene], seconds: float) -> float:
+    def _scale(self, scenes: list[Scene], seconds: float) -> float:
         """The largest pictures that are traced in so many seconds: how much smaller they are."""
         return next((scale for scale in LADDER if self._guess(scenes, scale) <= seconds), LADDER[-1])
 
@@ -336,7 +335,7 @@ class Player(Slices):
             fill(target)
             side.show(target.texture, scale)
 
-    def status(self, scene: CurtainScene) -> list[str]:
+    def status(self, scene: Scene) -> list[str]:
         """What it does, in words."""
         if self.hung < 1.0:
             return [f"hanging the curtain: {10 * int(10 * self.hung)} %"]
@@ -351,7 +350,7 @@ class Player(Slices):
         cost = f"build {times.build:.0f} ms, trace {times.trace:.0f} ms; simulation {times.simulate:.0f} ms"
         return [f"frame {self.frame}: {state}", f"{scene.accelerator}: {cost}"]
 
-    def try_out(self, scene: CurtainScene, environment: Environment) -> None:
+    def try_out(self, scene: Scene, environment: Environment) -> None:
         """Draw a scene as small as can be, without waiting for the curtain to settle. Raises ShaderError."""
         self.show(scene.changed(size=(16, 16), spp=1), environment)
         next(self._hanging, None)
@@ -367,6 +366,6 @@ class Player(Slices):
         self.sides, self.curtain = [], None
 
 
-def _key(scene: CurtainScene) -> tuple:
+def _key(scene: Scene) -> tuple:
     """What the seconds that a pixel takes depend on."""
     return scene.accelerator, scene.depth

@@ -7,16 +7,16 @@ from typing import Any
 from imgui_bundle import imgui  # isort: skip
 
 from ..curtain.hanging import LIVE
-from ..curtain.show import CurtainScene
 from ..fabric import builtin_fabrics
+from ..scene import Scene
 from .actions import Actions
 from .controls import controls, curtain_controls
 from .state import OWN
 from .widgets import CLAMP, GREY, Panel, buttons, chooser, control, tip
 
-RAYS = controls(CurtainScene, ("accelerator", "depth", "spp", "spread"))
+RAYS = controls(Scene, ("accelerator", "depth", "spp", "spread"))
 OTHER = [item for item in RAYS if item.name in OWN]
-LAMP = controls(CurtainScene, ("lamp_position", "lamp_intensity", "ambient"))
+LAMP = controls(Scene, ("lamp_position", "lamp_intensity", "ambient"))
 MOVING = [c for c in curtain_controls() if c.name in LIVE]
 HANGING = [c for c in curtain_controls() if c.name not in LIVE]
 
@@ -58,7 +58,7 @@ class CurtainPanel(Panel):
             imgui.text_colored(GREY, f"room: {scene.room or 'built in'}")
             imgui.tree_pop()
 
-    def _hanging(self, scene: CurtainScene) -> None:
+    def _hanging(self, scene: Scene) -> None:
         """Shape and size: applied when the slider is let go, for the curtain must settle again."""
         for item in HANGING:
             value = self._draft.get(item.name, getattr(scene.curtain, item.name))
@@ -69,7 +69,7 @@ class CurtainPanel(Panel):
             if item.name in self._draft and done:
                 self.attempt(self.session.hang, None, **{item.name: self._draft.pop(item.name)})
 
-    def other(self, scene: CurtainScene) -> None:
+    def other(self, scene: Scene) -> None:
         """What side B has of its own beside its fabric."""
         session = self.session
         changed, layered = imgui.checkbox("blended layers, without shadows", session.document.layered)

@@ -145,7 +145,7 @@ class Drawing:
         if self.player.show(scene, environment, *others, layered=bool(others) and document.layered):
             fresh = False
             if self.tree is not None:
-                self.tree.look_as(scene.view)
+                self.tree.look_as(self.player.camera(scene))
         if self._go_to is not None:
             self.player.go_to(self._go_to)
             self._go_to = None

@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from .. import __version__
 from ..color import srgb_decode
-from ..curtain.show import CurtainScene, load_curtain_scene
 from ..errors import InputError
 from ..fabric import save_fabric
 from ..geometry.mesh_files import load_solid
-from ..image import check_output, read_settings, write_image
-from ..scene import Scene, load_scene, save_scene
+from ..image import check_output, write_image
+from ..scene import Scene, header, load_scene, save_scene
 from . import sharing
 from .actions import Actions
 from .clock import Clock
 from .dialogs import Dialogs
-from .refine import METHODS
 from .watch import SHADERS, Watcher
 
 OBJECTS = ["Meshes", "*.obj *.ply *.glb *.gltf"]
@@ -66,14 +63,12 @@ class Files:
             session.choose_mode("cloth")
             session.edit_scene(lights=path)
         elif kind == "scene":
-            curtain = load_curtain_scene(path)
-            scene = curtain or load_scene(path)
-            check_shown(scene)
+            scene = load_scene(path)
             session.open(scene)
             self.source = path
             self.actions.layout.follow = False
-            if curtain is not None:
-                self.actions.go_to(frame_of(path))
+            if scene.curtain is not None:
+                self.actions.go_to(frame_of(scene))
         elif kind == "mesh":
             session.choose_mode("cloth")
             session.edit_scene(mesh=path)
@@ -132,13 +127,13 @@ class Files:
 
     def _write(self, path: Path, panels: bool) -> None:
         scene = self.session.shown
-        settings = {"glcloth": __version__, **sharing.stored(scene, self.actions.frame)}
+        settings = header(sharing.at_frame(scene, self.actions.frame))
         if panels:
             write_image(path, srgb_decode(self.actions.screen() / 255.0), settings)
         else:
             look = {"exposure": scene.exposure, "view_transform": scene.view_transform}
             write_image(path, self.actions.picture(), settings, **look)
-        touched = "curtain" in settings and self.actions.player.touched
+        touched = scene.curtain is not None and self.actions.player.touched
         warning = "; wind or cloth changed while it moved: opened again it hangs otherwise" if touched else ""
         self.actions.note(f"wrote {path}{warning}")
 
@@ -182,17 +177,6 @@ class Files:
         self.dialogs.close()
 
 
-def check_shown(scene: Scene | CurtainScene) -> None:
-    """Raise InputError for a scene that the window cannot show."""
-    if isinstance(scene, Scene) and scene.method not in METHODS:
-        raise InputError(
-            f"method {scene.method}: the window shows {', '.join(METHODS)}, and the curtain: glcloth view curtain"
-        )
-
-
-def frame_of(path: str | Path | None) -> int:
-    """The frame of the moving curtain that a picture of ours shows; 0 for anything else."""
-    if path is None or Path(path).suffix.lower() not in (".png", ".exr") or not Path(path).is_file():
-        return 0
-    frame = (read_settings(path) or {}).get("frame", 0)
-    return frame if isinstance(frame, int) and 0 <= frame <= 100_000 else 0
+def frame_of(scene: Scene) -> int:
+    """The frame that a curtain's scene asks for; 0, where its wind begins, when it says none."""
+    return scene.frame if "frame" in scene.model_fields_set else 0

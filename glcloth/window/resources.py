@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..curtain.show import CurtainScene
 from ..fabric import Fabric
 from ..geometry.mesh import Mesh
 from ..geometry.mesh_files import load_mesh
@@ -96,7 +95,7 @@ class Resources:
         )
         return Ready(fabric, mesh, environment, report, lights, objects)
 
-    def ask_curtain(self, scene: CurtainScene, fabric: Fabric) -> Environment | None:
+    def ask_curtain(self, scene: Scene, fabric: Fabric) -> Environment | None:
         """What the curtain needs beside itself: its environment. None while that, or the fabric's albedo (which the
         tracer then finds in its cache), is still being made. Raises as `ask` does."""
         self.doing = ""

@@ -9,7 +9,7 @@ import glfw
 import numpy as np
 from OpenGL import GL
 
-from ..curtain.show import CurtainShow, hides
+from ..curtain.show import CurtainShow, camera_of, hides
 from ..geometry.camera import Camera
 from ..tracing.tree_view import TreeContent, TreePicture
 from . import orbit
@@ -93,7 +93,7 @@ class TreeWindow:
             self._content = None
             self._title("brute force has no tree: choose kdtree or lbvh")
             return True
-        self._content = curtain.tree_content(curtain.scene.view)
+        self._content = curtain.tree_content(camera_of(curtain.scene))
         self._name, self.frame = accelerator, curtain.frame
         self.deepest = int(self._content.tree["depth"].max())
         self._stale = True

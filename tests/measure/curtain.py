@@ -9,7 +9,6 @@ python tests/measure/curtain.py series FILE.png    the curtain over roughness, t
 """
 
 import sys
-from dataclasses import replace
 
 import common
 import curtain_scenes as scenes
@@ -20,10 +19,12 @@ from glcloth.accel.kdtree import CONSTANTS, KdTree
 from glcloth.accel.queries import RayQueries
 from glcloth.accel.structure import make_structure
 from glcloth.accel.triangles import Triangles
-from glcloth.curtain.show import CurtainScene, CurtainShow, bench_curtain
+from glcloth.bench.curtain import bench_curtain
+from glcloth.curtain.show import CurtainShow, camera_of
 from glcloth.fabric import load_fabric
 from glcloth.gpu.context import create_context
 from glcloth.image import write_image
+from glcloth.scene import CurtainParameters, Scene
 from glcloth.twins import kdtree as exact
 from glcloth.twins import sheet
 
@@ -67,10 +68,10 @@ def compare(ctx, queries, triangles, view, where):
 def hits(ctx):
     queries = RayQueries(ctx)
     common.head("scene", "structure", "triangles", "in leaves", "rays", "share hit", "other t", "other triangle")
-    with CurtainShow(ctx, CurtainScene(size=(320, 320))) as show:
+    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), size=(320, 320))) as show:
         for frame in (0, 60):
             show.advance(frame - show.frame)
-            compare(ctx, queries, show.triangles, show.scene.view, f"frame {frame}")
+            compare(ctx, queries, show.triangles, camera_of(show.scene), f"frame {frame}")
             pictures = {}
             for name in ("kdtree", "lbvh", "brute"):
                 show.scene = show.scene.changed(accelerator=name)
@@ -78,7 +79,7 @@ def hits(ctx):
             for name in ("kdtree", "lbvh"):
                 other = (pictures[name] != pictures["brute"]).any(-1).sum()
                 print(f"frame {frame}, 320x320: {other} pixels of {name} differ from brute", flush=True)
-        view = show.scene.view
+        view = camera_of(show.scene)
     for name, soup in scenes.degenerate_scenes().items():
         triangles = Triangles.of(ctx, soup.astype(np.float32))
         compare(ctx, queries, triangles, view, name)
@@ -87,16 +88,16 @@ def hits(ctx):
 
 def cost(ctx):
     """Frames of several curtains, and what a camera ray and a ray from the lamp to what it meets take."""
-    base = CurtainScene().curtain
+    base = CurtainParameters()
     head = ("curtain", "frame", "pairs of triangles", "SAH cost", "exact", "more", "levels")
     common.head(*head, "steps, tests of a camera ray", "of a ray from the lamp")
     for name, curtain, frames in (
         ("as it is", base, (0, 24, 48, 72, 100)),
-        ("fullness 1.5", replace(base, fullness=1.5), (0, 48)),
-        ("fullness 2.6", replace(base, fullness=2.6), (0, 48)),
-        ("wind 1 m/s", replace(base, wind=1.0), (48, 100)),
+        ("fullness 1.5", base.changed(fullness=1.5), (0, 48)),
+        ("fullness 2.6", base.changed(fullness=2.6), (0, 48)),
+        ("wind 1 m/s", base.changed(wind=1.0), (48, 100)),
     ):
-        with CurtainShow(ctx, CurtainScene(curtain=curtain)) as show:
+        with CurtainShow(ctx, Scene(curtain=curtain)) as show:
             for frame in frames:
                 show.advance(frame - show.frame)
                 cost_of(ctx, show, name)
@@ -113,7 +114,7 @@ def cost_of(ctx, show, name):
     parts = np.stack([positions[codes >> 1], positions[(codes >> 1) + (codes & 1)]], 1)
     best = exact.sah_cost(exact.build(parts, C_ts), C_ts)
     queries = RayQueries(ctx)
-    o, d = camera_rays(show.scene.view, 160)
+    o, d = camera_rays(camera_of(show.scene), 160)
     hits = queries.closest_hit(tree, o, d, counted=True)
     hit, lamp = np.isfinite(hits.t), np.array(show.scene.lamp_position)
     way = o[hit] + hits.t[hit, None] * d[hit] - lamp
@@ -131,7 +132,7 @@ def growth(ctx, only=""):
         for name in ("kdtree", "lbvh", "brute"):
             if (name == "brute" and count > 12_786) or only not in ("", str(count)):
                 continue
-            scene = CurtainScene(size=(320, 320), accelerator=name)
+            scene = Scene(curtain=CurtainParameters(), size=(320, 320), accelerator=name)
             r = bench_curtain(ctx, scene, frames if name != "brute" else 1, count)
             common.row(name, *(str(r.get(key, "")) for key in RESULTS))
 
@@ -139,7 +140,7 @@ def growth(ctx, only=""):
 def strain(ctx):
     common.head("fabric", "longest thread of 126 frames")
     for name in FABRICS:
-        with CurtainShow(ctx, CurtainScene(fabric=name)) as show:
+        with CurtainShow(ctx, Scene(curtain=CurtainParameters(), fabric=name)) as show:
             longest = []
             for _ in range(126):
                 show.simulation.step(1 / 24)
@@ -179,7 +180,7 @@ def series(ctx, path):
         [{"tau": (v, v, v)} for v in (0.0, 0.3, 0.8, 2.0)],
         [{"rho": r, "k_a": t.k_a} for r in (0.9, 0.7, 0.5, 0.3)],
     ]
-    with CurtainShow(ctx, CurtainScene(size=(240, 240), spp=2)) as show:
+    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), size=(240, 240), spp=2)) as show:
         show.advance(30)
         for row in changes:
             pictures = []

@@ -6,7 +6,7 @@ import twin
 from scipy.special import expn
 
 from glcloth.errors import InputError
-from glcloth.fabric import Transmission, builtin_fabrics, load_fabric, parse_fabric, save_fabric
+from glcloth.fabric import Fabric, Transmission, builtin_fabrics, load_fabric, save_fabric
 from glcloth.tracing.energy import directional_albedo, hemisphere, reflection_limit
 from glcloth.twins import ggx, sheet
 
@@ -230,7 +230,7 @@ def test_transmission_blocks(tmp_path):
     yarns = [y.model_dump(exclude_none=True) for y in load_fabric("lace").yarn]
 
     def fabric(**block):
-        return parse_fabric({"name": "x", "yarn": yarns, "transmission": block}, "x.toml")
+        return Fabric.parse({"name": "x", "yarn": yarns, "transmission": block}, "x.toml")
 
     assert fabric(openness=0.2).transmission.rho == pytest.approx(0.8)
     assert fabric(tau=0.3).transmission.tau == (0.3, 0.3, 0.3)

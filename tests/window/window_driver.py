@@ -26,8 +26,7 @@ from imgui_bundle import imgui
 from OpenGL import GL
 from xdnd import Source
 
-from glcloth.curtain.hanging import CurtainParameters
-from glcloth.curtain.show import CurtainScene, CurtainShow
+from glcloth.curtain.show import CurtainShow
 from glcloth.errors import InputError
 from glcloth.fabric import Transmission, load_fabric, save_fabric
 from glcloth.geometry.mesh_files import load_mesh, save_mesh
@@ -36,7 +35,7 @@ from glcloth.light.lights import Lights, SphericalGaussians
 from glcloth.light.lights_file import save_lights
 from glcloth.methods.registry import METHODS
 from glcloth.picture.renderer import Renderer
-from glcloth.scene import Scene, load_scene
+from glcloth.scene import CurtainParameters, Scene, load_scene
 from glcloth.window import curve, orbit, sharing
 from glcloth.window.app import App
 from glcloth.window.controls import controls, curtain_controls
@@ -223,7 +222,7 @@ def traced_as(show, scene):
 def curtain(folder):
     """Played, changed on the way, saved and opened again; shaders reloaded; side by side with `render`."""
     small = CurtainParameters(quads=(48, 12), pleats=4, settle=0.2)
-    scene = CurtainScene(size=(96, 64), curtain=small, spp=2)
+    scene = Scene(size=(96, 64), curtain=small, spp=2)
     app = App(scene)
     out = {}
     settle(app)
