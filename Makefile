@@ -1,12 +1,14 @@
 # make demo   draped silk under an HDR environment, from a bare checkout
-# make test   the tests
+# make test   the tests; says what it skipped and what would change that
+# make tools  what the window's tests are driven with
 # make lint   style
 SHELL := /bin/bash
 VENV := .venv
 RUN := $(VENV)/bin/
 SYSTEM := libegl1 libgl1 libgl1-mesa-dri
+TOOLS := xvfb xdotool
 
-.PHONY: demo test lint equations clean
+.PHONY: demo test tools lint equations clean
 
 demo: $(VENV)/.installed
 	$(RUN)glcloth render drape --method paper --spp 4 -o demo.png
@@ -16,6 +18,13 @@ test: $(VENV)/.tests
 	$(RUN)ruff check .
 	$(RUN)ruff format --check .
 	$(RUN)pytest -m "not slow"
+
+tools:
+	@if ! { command -v Xvfb && command -v xdotool; } >/dev/null; then \
+	  if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+	    apt-get -o Acquire::Retries=3 update -qq && \
+	    DEBIAN_FRONTEND=noninteractive apt-get -o Acquire::Retries=3 install -y -qq --no-install-recommends $(TOOLS); \
+	  else echo "The window's tests need an X server and a hand. Install them: sudo apt-get install $(TOOLS)" >&2; exit 3; fi; fi
 
 lint: $(VENV)/.tests
 	$(RUN)ruff check --fix .

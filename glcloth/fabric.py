@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import difflib
-import tomllib
+import math
+from bisect import bisect_left
 from functools import cached_property
+from itertools import accumulate
 from pathlib import Path
-from typing import Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
-import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from .errors import InputError
-from .files import PACKAGE, atomic_write
+from .fields import Value, about
+from .files import PACKAGE, atomic_write, read_toml
+
+if TYPE_CHECKING:
+    import numpy as np  # imported where it is used: the command line starts without it
 
 FABRICS = PACKAGE / "fabrics"
 MAX_TANGENTS = 32  # distinct tangents of a fabric, both yarns together; core/shared.glsl says the same
-
-
-def _about(unit: str, text: str, **limits):
-    """A field with its unit and help text: files, errors, documents and the window's controls all read these."""
-    return Field(description=text, json_schema_extra={"unit": unit}, **limits)
 
 
 Albedo = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -37,18 +37,8 @@ class Tangent(NamedTuple):
     count: int
 
 
-class _Value(BaseModel):
-    """A frozen value that is edited by making another one."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid")
-
-    def changed(self, **changes):
-        """The same value with some fields replaced. Raises InputError for unknown fields and values out of range."""
-        data = {name: getattr(self, name) for name in type(self).model_fields}
-        try:
-            return type(self).model_validate({**data, **changes})
-        except ValidationError as error:
-            raise InputError(f"{type(self).__name__.lower()}: {_first_problem(error, type(self))}") from None
+class _Value(Value):
+    """A value that keeps what it derives from its fields."""
 
     def model_copy(self, *, update=None, deep=False):
         """As `changed`: pydantic's own copy would keep what was derived from the replaced fields."""
@@ -58,16 +48,16 @@ class _Value(BaseModel):
 class Yarn(_Value):
     """One of the two yarns of a weave: the parameters of paper A, equation 5, and its tangent curve."""
 
-    albedo: tuple[Albedo, Albedo, Albedo] = _about("linear Rec. 709", "colour of the volume term, A")
-    eta: float = _about("", "index of refraction", gt=1.0, le=3.0)
-    k_d: float = _about("", "isotropic share of the volume term", ge=0.0, le=1.0)
-    gamma_s_deg: float = _about("degrees", "width of the surface lobe", ge=0.5, le=60.0)
-    gamma_v_deg: float = _about("degrees", "width of the volume lobe", ge=0.5, le=60.0)
-    area: float = _about("", "share of the weave's area, a_j", ge=0.0, le=1.0)
-    curve_angles_deg: tuple[Tilt, ...] | None = _about("degrees", "control angles of the tangent curve", default=None)
-    curve_lengths: tuple[Length, ...] | None = _about("", "segment lengths of the curve (0 = jump)", default=None)
-    samples: int | None = _about("", "samples equally spaced along the curve, ends included", default=None, ge=1, le=32)
-    tangents_deg: tuple[Tilt, ...] | None = _about(
+    albedo: tuple[Albedo, Albedo, Albedo] = about("linear Rec. 709", "colour of the volume term, A")
+    eta: float = about("", "index of refraction", gt=1.0, le=3.0)
+    k_d: float = about("", "isotropic share of the volume term", ge=0.0, le=1.0)
+    gamma_s_deg: float = about("degrees", "width of the surface lobe", ge=0.5, le=60.0)
+    gamma_v_deg: float = about("degrees", "width of the volume lobe", ge=0.5, le=60.0)
+    area: float = about("", "share of the weave's area, a_j", ge=0.0, le=1.0)
+    curve_angles_deg: tuple[Tilt, ...] | None = about("degrees", "control angles of the tangent curve", default=None)
+    curve_lengths: tuple[Length, ...] | None = about("", "segment lengths of the curve (0 = jump)", default=None)
+    samples: int | None = about("", "samples equally spaced along the curve, ends included", default=None, ge=1, le=32)
+    tangents_deg: tuple[Tilt, ...] | None = about(
         "degrees", "the tangents themselves, instead of a curve", default=None
     )
 
@@ -98,17 +88,19 @@ class Yarn(_Value):
         """The sampled tangents C_j in degrees, equal ones repeated."""
         if self.tangents_deg is not None:
             return self.tangents_deg
-        ends = np.concatenate([[0.0], np.cumsum(self.curve_lengths)])
-        at = np.linspace(0.0, ends[-1], self.samples) if self.samples > 1 else np.array([ends[-1] / 2])
+        lengths, angles = self.curve_lengths, self.curve_angles_deg
+        ends = [0.0, *accumulate(map(float, lengths))]
+        step = ends[-1] / max(self.samples - 1, 1)
+        at = [i * step for i in range(self.samples - 1)] + [ends[-1] if self.samples > 1 else ends[-1] / 2]
         tilts = []
         for s in at:
             # A sample that falls on a jump takes the side before it, except at the very start.
-            segment = int(np.clip(np.searchsorted(ends, s, side="left") - 1, 0, len(self.curve_lengths) - 1))
-            while self.curve_lengths[segment] == 0.0:
+            segment = min(max(bisect_left(ends, s) - 1, 0), len(lengths) - 1)
+            while lengths[segment] == 0.0:
                 segment += 1
-            u = (s - ends[segment]) / self.curve_lengths[segment]
-            a, b = self.curve_angles_deg[segment : segment + 2]
-            tilts.append(round(float(a + (b - a) * min(max(u, 0.0), 1.0)), 9))
+            u = (s - ends[segment]) / lengths[segment]
+            a, b = angles[segment : segment + 2]
+            tilts.append(round(a + (b - a) * min(max(u, 0.0), 1.0), 9))
         return tuple(tilts)
 
 
@@ -120,15 +112,15 @@ class Transmission(_Value):
     the yarns. No measured parameters have been published; the defaults are plausible for a white sheer.
     """
 
-    rho: float = _about("", "yarn density: covered share of the area, 1 - openness", default=0.65, ge=0.0, le=1.0)
-    k_a: float = _about("", "share of the light in the holes that passes", default=1.0, ge=0.0, le=1.0)
-    k_t: float = _about("", "share of the light in the yarns that goes on forward", default=0.6, ge=0.0, le=1.0)
-    tau: tuple[Depth, Depth, Depth] = _about("", "optical depth of the yarns, per channel", default=(0.15, 0.15, 0.15))
-    diffuse: float = _about("", "Lambertian share of the diffuse transmission", default=0.5, ge=0.0, le=1.0)
-    roughness: float = _about("", "GGX roughness r of the diffuse transmission", default=0.5, ge=0.02, le=1.0)
-    eta_1: float = _about("", "refractive index outside", default=1.0, ge=1.0, le=3.0)
-    eta_2: float = _about("", "refractive index of the yarn", default=1.54, ge=1.0, le=3.0)
-    roughness_p: float = _about("", "GGX roughness of the directed transmission", default=0.1, ge=0.02, le=1.0)
+    rho: float = about("", "yarn density: covered share of the area, 1 - openness", default=0.65, ge=0.0, le=1.0)
+    k_a: float = about("", "share of the light in the holes that passes", default=1.0, ge=0.0, le=1.0)
+    k_t: float = about("", "share of the light in the yarns that goes on forward", default=0.6, ge=0.0, le=1.0)
+    tau: tuple[Depth, Depth, Depth] = about("", "optical depth of the yarns, per channel", default=(0.15, 0.15, 0.15))
+    diffuse: float = about("", "Lambertian share of the diffuse transmission", default=0.5, ge=0.0, le=1.0)
+    roughness: float = about("", "GGX roughness r of the diffuse transmission", default=0.5, ge=0.02, le=1.0)
+    eta_1: float = about("", "refractive index outside", default=1.0, ge=1.0, le=3.0)
+    eta_2: float = about("", "refractive index of the yarn", default=1.54, ge=1.0, le=3.0)
+    roughness_p: float = about("", "GGX roughness of the directed transmission", default=0.1, ge=0.02, le=1.0)
 
     @model_validator(mode="before")
     @classmethod
@@ -168,9 +160,9 @@ class Fabric(_Value):
     "paper": equation 6 of paper A as printed, W = M P / sum_t P, without gaps and without 1 / N_j.
     """
 
-    name: str = Field(min_length=1)
-    normalization: Literal["sadeghi", "paper"] = "sadeghi"
-    sigma_deg: float = _about("degrees", "width of shadowing and masking", default=20.0, ge=1.0, le=90.0)
+    name: str = about("", "for people", min_length=1)
+    normalization: Literal["sadeghi", "paper"] = about("", "how W is normalised, above", default="sadeghi")
+    sigma_deg: float = about("degrees", "width of shadowing and masking", default=20.0, ge=1.0, le=90.0)
     yarn: tuple[Yarn, ...]
     transmission: Transmission | None = None
 
@@ -192,13 +184,13 @@ class Fabric(_Value):
             counts: dict[float, int] = {}
             for tilt in yarn.tilts_deg:
                 counts[tilt] = counts.get(tilt, 0) + 1
-            out += [Tangent(j, float(np.radians(tilt)), count) for tilt, count in sorted(counts.items())]
+            out += [Tangent(j, math.radians(tilt), count) for tilt, count in sorted(counts.items())]
         return tuple(out)
 
     @property
     def sigma(self) -> float:
         """Width of shadowing and masking in radians."""
-        return float(np.radians(self.sigma_deg))
+        return math.radians(self.sigma_deg)
 
     @property
     def gap(self) -> float:
@@ -211,6 +203,8 @@ class Fabric(_Value):
 
         sadeghi: both are a_j count / N_j. paper (equation 6 as printed): a_j count, and count.
         """
+        import numpy as np
+
         rows = []
         for yarn, _, count in self.tangents:
             if self.normalization == "sadeghi":
@@ -225,11 +219,15 @@ class Fabric(_Value):
 
         W's normaliser keeps all tangents, so the radiances of all parts add up to that of the fabric.
         """
+        import numpy as np
+
         numerators = self.weights[:, 0]
         return numerators if part is None else np.where(np.arange(len(numerators)) == part, numerators, 0.0)
 
     def arrays(self, part: int | None = None) -> tuple:
         """(yarns, tangents, weights, gap, sigma) as the functions of glcloth.twins take them; `part` as in `numerators`."""
+        import numpy as np
+
         yarns = [
             {
                 "A": np.array(y.albedo),
@@ -267,57 +265,7 @@ def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
             close = difflib.get_close_matches(text.lower(), names, 1, 0.4)
             hint = f'; did you mean "{close[0]}"?' if close else ""
             raise InputError(f'fabric "{text}": not a built-in fabric ({", ".join(names)}) and not a .toml file{hint}')
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; expected a fabric file (.toml)") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a text file ({error}); expected a fabric file (.toml)") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not TOML: {error}") from None
-    return parse_fabric(data, str(path))
-
-
-def parse_fabric(data: dict, where: str = "fabric") -> Fabric:
-    """Return the Fabric of a plain dictionary (a parsed TOML file); `where` names its origin in errors."""
-    try:
-        return Fabric.model_validate(data)
-    except ValidationError as error:
-        raise InputError(f"{where}: {_first_problem(error)}") from None
-
-
-def _first_problem(error: ValidationError, model: type[BaseModel] | None = None) -> str:
-    """One line for the first problem that pydantic found; the number of further ones behind it."""
-    # A misspelt key is also a missing one; the misspelling is what to say.
-    problems = sorted(error.errors(), key=lambda p: p["type"] != "extra_forbidden")
-    problem = problems[0]
-    place = []
-    model = model or Fabric
-    for part in problem["loc"]:
-        if isinstance(part, int) and place and place[-1] == "yarn":
-            place[-1] = f"yarn {part + 1}"
-            model = Yarn
-        elif isinstance(part, int):
-            place.append(f"item {part + 1}")
-        else:
-            if part == "transmission":
-                model = Transmission
-            place.append(str(part))
-    where = ": ".join(place)
-    kind, value = problem["type"], problem.get("input")
-    if kind == "extra_forbidden":
-        known = list((model or Fabric).model_fields)
-        close = difflib.get_close_matches(place[-1], known, 1, 0.5)
-        hint = f"; did you mean {close[0]}?" if close else f"; known keys: {', '.join(known)}"
-        text = f"{where}: unknown key{hint}"
-    elif kind == "missing":
-        text = f"{where}: is missing; add it"
-    elif kind == "value_error":
-        text = f"{where}: {problem['ctx']['error']}" if where else str(problem["ctx"]["error"])
-    else:
-        text = f"{where} = {value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}"
-    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
-    return text + more
+    return Fabric.parse(read_toml(path, "a fabric file (.toml)"), str(path))
 
 
 def save_fabric(path: str | Path, fabric: Fabric) -> None:

@@ -69,3 +69,17 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
         raise InputError(f"{path}: cannot be written ({error.strerror or error}); choose another output path") from None
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def read_toml(path: str | Path, expected: str) -> dict:
+    """What a TOML file holds; `expected` says in errors what it should be. Raises InputError."""
+    import tomllib
+
+    try:
+        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; expected {expected}") from None
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"{path}: cannot be read as a text file ({error}); expected {expected}") from None
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not TOML: {error}") from None

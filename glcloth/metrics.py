@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import flip_evaluator
 import numpy as np
 
-from .color import LUMINANCE, srgb_encode
+from .color import srgb_encode
 from .errors import InputError
-
-Metric = Literal["flip", "rmse", "relmse", "psnr"]
 
 
 def check_alike(a: np.ndarray, b: np.ndarray, where: str) -> None:
@@ -56,13 +52,6 @@ def compare(test: np.ndarray, reference: np.ndarray, metrics=tuple(METRICS)) -> 
     """All metrics of a test picture against a reference, linear [H, W, 3]. Raises InputError when the sizes differ."""
     check_alike(test, reference, "compare")
     return {name: METRICS[name](test[..., :3], reference[..., :3]) for name in metrics}
-
-
-def relative_errors(test: np.ndarray, reference: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """|difference| of luminance over the reference's, for the pixels of `mask` whose reference is above 1e-4 of its mean."""
-    a, b = test[mask][..., :3] @ LUMINANCE, reference[mask][..., :3] @ LUMINANCE
-    seen = b > 1e-4 * b.mean()
-    return np.abs(a[seen] - b[seen]) / b[seen]
 
 
 def difference(test: np.ndarray, reference: np.ndarray, scale: float = 8.0) -> np.ndarray:

@@ -8,11 +8,7 @@ import time
 from collections.abc import Iterable, Iterator
 from typing import TypeVar
 
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
 T = TypeVar("T")
-console = Console(stderr=True)
 _stopped = False
 BAR_AFTER = 1.0  # seconds of work after which a terminal shows a bar
 SAY_EVERY = 10.0  # seconds between two lines elsewhere
@@ -72,22 +68,16 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
     if total is None:
         total = len(items) if hasattr(items, "__len__") else None
     begin = said = time.monotonic()
+    terminal = sys.stderr.isatty()
     bar = None
     task = None
     try:
         for done, item in enumerate(items):
             check_stopped()
             now = time.monotonic()
-            if console.is_terminal:
+            if terminal:
                 if bar is None and now - begin > BAR_AFTER:
-                    bar = Progress(
-                        TextColumn("{task.description}"),
-                        BarColumn(),
-                        MofNCompleteColumn(),
-                        TimeRemainingColumn(),
-                        console=console,
-                        transient=True,
-                    )
+                    bar = _bar()
                     task = bar.add_task(what, total=total)
                     bar.start()
                 if bar is not None:
@@ -99,6 +89,15 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
     finally:
         if bar is not None:
             bar.stop()
+
+
+def _bar():
+    """A bar on stderr."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    return Progress(*columns, console=Console(stderr=True), transient=True)
 
 
 def say(line: str) -> None:

@@ -1,69 +1,283 @@
-"""A scene: everything that determines a picture, as one frozen value that files, pictures and doors share."""
+"""A scene: everything that determines a picture, as one frozen value that files, pictures and doors share.
+
+What a field says of itself (`about`) is what errors, the window's controls, options of the command line and
+docs/scene.md say of it; after a change `python -m glcloth.generate` writes the last two.
+"""
 
 from __future__ import annotations
 
 import difflib
 import math
 import shlex
-import tomllib
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, field_validator
+from pydantic import ConfigDict, Field, field_validator, model_serializer, model_validator
 
-from .color import known_transform
+from . import __version__
 from .errors import InputError
 from .fabric import Fabric
-from .files import PACKAGE, atomic_write
-from .image import read_settings
+from .fields import Value, about, entries
+from .files import PACKAGE, atomic_write, read_toml
+
+if TYPE_CHECKING:
+    from .geometry.camera import Camera
 
 SCENES = PACKAGE / "scenes"
-Vec3 = tuple[float, float, float]
+Kind = Literal["cloth", "curtain"]
+Number = Annotated[float, Field(allow_inf_nan=False)]
+Vec3 = tuple[Number, Number, Number]
 Share = Annotated[float, Field(ge=0, le=1)]
-ViewTransform = Annotated[str, AfterValidator(known_transform)]
+# What a curtain begins with where its scene does not say: it is traced in a room, before a sky.
+CURTAIN = {"fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (640, 640), "method": "trace"}
+KINDS = {"cloth": "cloth under an environment", "curtain": "the curtain"}
 
 
-class View(BaseModel):
-    """The camera of a scene; what is not given follows from the mesh."""
+class View(Value):
+    """The camera of a scene; what is not given follows from the mesh, or is that of the curtain's room."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(title="camera")
 
-    eye: Vec3 | None = None
-    target: Vec3 | None = None
-    up: Vec3 = (0.0, 1.0, 0.0)
-    fov_deg: Annotated[float, Field(ge=1, le=170)] | None = None
+    eye: Vec3 | None = about("m", "where the camera is", default=None)
+    target: Vec3 | None = about("m", "what it looks at", default=None)
+    up: Vec3 = about("", "direction that is up in the picture", default=(0.0, 1.0, 0.0))
+    fov_deg: float | None = about("degrees", "angle of view, from top to bottom", default=None, ge=1, le=170)
+
+    @classmethod
+    def of(cls, camera: Camera) -> View:
+        """A camera as a scene keeps it."""
+        return cls(eye=camera.eye, target=camera.target, up=camera.up, fov_deg=camera.fov_deg)
 
 
-class Scene(BaseModel):
-    """What `glcloth render` renders; the fields are the options of that command."""
+class CurtainParameters(Value):
+    """A curtain on a rail along x, the window in the plane z = 0 behind it, the floor at y = 0; SI units."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    model_config = ConfigDict(title="curtain")
 
-    fabric: str | Fabric = "silk_crepe_de_chine"
-    mesh: str = "drape"
-    objects: tuple[str, ...] = ()  # meshes that stand about the cloth, matt
-    ground: float | Literal["off", "auto"] = "off"  # its height, m; auto: just under the lowest point
-    ground_color: tuple[Share, Share, Share] = (0.3, 0.3, 0.3)  # diffuse reflectance, linear
-    env: str = "studio"
-    env_rotate: float = 0.0
-    lobes: int | Literal["auto"] = 10
-    lights: str = ""  # a file of lights instead of a fit; the environment is still what stands behind the cloth
-    method: Literal["direct", "paper", "reference", "trace"] = "direct"
-    quality: Literal["draft", "normal", "high"] = "normal"
-    adaptive: bool = False
-    light: Literal["sg", "map"] = "sg"
-    shadows: Literal["off", "sun", "full"] = "full"
-    bounce: bool = True
-    segments: Annotated[int, Field(ge=2, le=64)] = 6
-    cube: Annotated[int, Field(ge=4, le=128)] = 32
-    contribution: Annotated[float, Field(ge=0.5, le=0.9999)] = 0.9
-    grid: Annotated[int, Field(ge=8, le=96)] = 48
-    spp: Annotated[int, Field(ge=1, le=256)] = 1
-    size: tuple[int, int] = (640, 480)
-    exposure: Annotated[float, Field(ge=-20, le=20)] = 0.0
-    view_transform: ViewTransform = "standard"
-    background: bool = True
-    camera: View = View()
+    width: float = about("m", "length of the rail", default=2.5, gt=0)
+    top: float = about("m", "height of the rail", default=2.41)
+    clearance: float = about(
+        "m", "from the window to the backs of the folds", default=0.06, gt=0, allow_inf_nan=False, slider=(0.02, 0.5)
+    )
+    drop: float = about("m", "length of the cloth", default=2.3, gt=0, allow_inf_nan=False, slider=(0.5, 2.4))
+    fullness: float = about(
+        "", "width of the cloth over that of the rail", default=1.8, ge=1, le=4, slider=(1.0, 3.0), option=True
+    )
+    pleats: int = about("", "folds along the rail, at least six quads each", default=13, ge=1, slider=(3, 24))
+    irregularity: float = about("", "how unequal the folds are", default=0.2, ge=0, le=1)
+    quads: tuple[int, int] = about("", "cells of the grid along the rail and down the cloth", default=(158, 40))
+    heading: Literal["tape", "rings"] = about(
+        "", "tape holds the whole upper edge, rings the front of each fold", default="tape"
+    )
+    mass: float = about("kg/m\u00b2", "of the cloth; sheers 0.03 to 0.1", default=0.06, gt=0, slider=(0.02, 0.6))
+    stretch: float = about(
+        "N/m", "how stiff the threads are along themselves", default=3000.0, gt=0, slider=(200.0, 20000.0), log=True
+    )
+    shear: float = about("N/m", "how stiff the weave is on the bias", default=15.0, slider=(0.0, 200.0))
+    bending: float = about("N m", "how stiff the cloth is to bend", default=3e-5, slider=(1e-6, 1e-3), log=True)
+    hem: float = about("", "how much heavier the lowest row is", default=2.0, gt=0, slider=(1.0, 20.0))
+    wind: float = about(
+        "m/s", "wind into the room, perpendicular to the window; animate: along the built-in cloth", default=0.5,
+        ge=-20, le=20, slider=(-3.0, 3.0), option=True,
+    )  # fmt: skip
+    gustiness: float = about("", "share of the wind that comes and goes", default=1.0, ge=0, le=1)
+    openness: float = about(
+        "", "share of the cloth that lets air through, if its fabric does not say", default=0.35, ge=0, le=1
+    )
+    damping: float = about("1/s", "how fast motion dies away", default=0.6, slider=(0.0, 4.0))
+    settle: float = about("s", "without wind before the first frame", default=1.5, ge=0, le=60, slider=(0.0, 5.0))
+
+    @model_validator(mode="after")
+    def _folds_on_the_grid(self):
+        if min(self.quads) < 6:
+            raise ValueError(f"quads = {self.quads}, must be 6 or more each; change them")
+        if self.pleats > self.quads[0] // 6:
+            raise ValueError(
+                f"pleats = {self.pleats} on {self.quads[0]} quads, must be 1 to {self.quads[0] // 6}, six quads each; "
+                "change one of them"
+            )
+        return self
+
+    def with_triangles(self, count: int) -> CurtainParameters:
+        """Return a curtain of about `count` triangles in the same proportions, with as many pleats as they can show."""
+        if count < 144:
+            raise InputError(f"curtain: {count} triangles, expected 144 or more")
+        across = max(12, round(math.sqrt(count / 2 * self.quads[0] / self.quads[1])))
+        return self.changed(
+            quads=(across, max(6, round(count / 2 / across))), pleats=max(1, min(self.pleats, across // 12))
+        )
+
+    @property
+    def triangle_count(self) -> int:
+        """How many triangles the curtain has."""
+        return 2 * self.quads[0] * self.quads[1]
+
+
+class Scene(Value):
+    """What a picture shows: cloth under an environment, or, with a table `curtain`, a curtain in a room.
+
+    Lengths in metres, +Y up. The curtain's window is in the plane z = 0, the room before it (z > 0), the lamp behind.
+    """
+
+    model_config = ConfigDict(title="scene")
+
+    fabric: str | Fabric = about(
+        "", "built-in fabric or a .toml file", default="silk_crepe_de_chine", option=True, file=True
+    )
+    mesh: str = about(
+        "", "built-in mesh or a file (.obj .ply .glb .gltf)", default="drape", of="cloth", option=True, file=True
+    )
+    objects: tuple[str, ...] = about(
+        "", "mesh that stands by the cloth, matt, in its own colours; repeatable", default=(), of="cloth",
+        option="--object", file=True,
+    )  # fmt: skip
+    ground: float | Literal["off", "auto"] = about(
+        "m",
+        "height of a ground; alone or auto: just under the lowest point; or off",
+        default="off",
+        of="cloth",
+        option=True,
+    )
+    ground_color: tuple[Share, Share, Share] = about(
+        "linear Rec. 709", "what the ground reflects, R,G,B", default=(0.3, 0.3, 0.3), of="cloth", option=True
+    )
+    env: str = about(
+        "", "built-in environment or an equirectangular .hdr or .exr file", default="studio", option=True, file=True
+    )
+    env_rotate: float = about(
+        "degrees", "turn the environment about +Y; in the window, drag with the right button", default=0.0,
+        allow_inf_nan=False, slider=(-180.0, 180.0), option=True,
+    )  # fmt: skip
+    lobes: int | Literal["auto"] = about(
+        "", "spherical Gaussians fitted to the environment, 1 to 64, or auto", default=10, of="cloth", slider=(1, 64),
+        option=True,
+    )  # fmt: skip
+    lights: str = about(
+        "", "file of lights (.json, .toml) instead of a fit; `glcloth env` writes one", default="", of="cloth",
+        option=True, file=True,
+    )  # fmt: skip
+    method: Literal["direct", "paper", "reference", "trace"] = about(
+        "", "how light on the cloth is summed; the curtain is traced", default="direct", option=True
+    )
+    quality: Literal["draft", "normal", "high"] = about(
+        "",
+        "nodes per light: draft is fastest, high is closest to the reference",
+        default="normal",
+        of="direct",
+        option=True,
+    )
+    adaptive: bool = about(
+        "", "shade one pixel in four where neighbours are alike; small pictures in the window always do", default=False,
+        of="direct", option=True,
+    )  # fmt: skip
+    light: Literal["sg", "map"] = about(
+        "", "the fitted lights, or the map itself", default="sg", of="reference", option=True
+    )
+    shadows: Literal["off", "sun", "full"] = about(
+        "",
+        "what the cloth hides from itself: nothing, the suns, or all the light",
+        default="full",
+        of="cloth",
+        option=True,
+    )
+    bounce: bool = about("", "light from fold to fold, once (with shadows full)", default=True, of="cloth", option=True)
+    segments: int = about(
+        "", "theta segments per Gaussian; the paper has 6", default=6, ge=2, le=64, of="paper", option=True
+    )
+    cube: int = about(
+        "texels",
+        "edge of the cube map whose directions are summed",
+        default=32,
+        ge=4,
+        le=128,
+        of="reference",
+        option=True,
+    )
+    grid: int = about(
+        "",
+        "directions per axis of the tables; a change makes new ones",
+        default=48,
+        ge=8,
+        le=96,
+        of="paper",
+        option=True,
+    )
+    contribution: float = about(
+        "", "share of the singular values that tables keep; a change makes new ones", default=0.9, ge=0.5, le=0.9999,
+        of="paper", option=True,
+    )  # fmt: skip
+    spp: int = about("", "samples per pixel of a whole picture", default=1, ge=1, le=4096, slider=(1, 64), option=True)
+    size: tuple[int, int] = about("pixels", "WIDTHxHEIGHT", default=(640, 480), option=True)
+    exposure: float = about(
+        "stops", "brightness on screen and in PNG files; EXR files keep the light itself", default=0.0, ge=-20, le=20,
+        slider=(-8.0, 8.0), option=True,
+    )  # fmt: skip
+    view_transform: Literal["standard", "filmic", "neutral", "agx"] = about(
+        "", "from light to the screen and PNG files", default="standard", option=True
+    )
+    background: bool = about("", "show the environment behind the cloth", default=True, of="cloth", option=True)
+    accelerator: Literal["kdtree", "lbvh", "brute"] = about(
+        "", "what rays are traced through; all give the same picture", default="kdtree", of="curtain", option=True
+    )
+    depth: int = about(
+        "",
+        "generations of rays: through the cloth and mirrored by it",
+        default=4,
+        ge=1,
+        le=8,
+        of="curtain",
+        option=True,
+    )
+    room: str = about("", "OBJ file of the room; none: built in", default="", of="curtain", option=True, file=True)
+    spread: bool = about(
+        "", "blur what is seen through the yarns; needs many samples per pixel", default=False, of="curtain"
+    )
+    cutoff: float = about("", "share of the light below which a ray ends", default=1e-3, ge=0, lt=1, of="curtain")
+    lamp_position: Vec3 = about(
+        "m", "the lamp outside the window, x y z; +y up, the window at z = 0", default=(1.6, 3.6, -5.0), of="curtain",
+        slider=(-12.0, 12.0),
+    )  # fmt: skip
+    lamp_intensity: Vec3 = about(
+        "W/sr", "of the lamp, red green blue", default=(190.0, 176.0, 150.0), of="curtain", slider=(0.0, 1000.0)
+    )
+    ambient: Vec3 = about(
+        "", "even light in the room, red green blue", default=(0.3, 0.3, 0.31), of="curtain", slider=(0.0, 2.0)
+    )
+    rate: int = about("1/s", "frames per second", default=24, ge=1, le=240, of="curtain")
+    frame: int = about("", "frame of the moving curtain", default=48, ge=0, le=100_000, of="curtain")
+    camera: View = about("", "the camera, a table", default_factory=View)
+    curtain: CurtainParameters | None = about(
+        "", "the curtain, a table; with it the scene is the curtain", default=None
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _of_one_kind(cls, data: Any) -> Any:
+        """Fill in what a curtain begins with; refuse fields of the other kind."""
+        if not isinstance(data, dict):
+            return data
+        curtain = data.get("curtain") is not None
+        for name in data:
+            if not curtain and kind_of(name) == "curtain" and name != "curtain":
+                raise ValueError(f"{name}: belongs to the curtain; give its scene: glcloth render curtain")
+            if curtain and kind_of(name) == "cloth":
+                raise ValueError(f"{name}: belongs to {KINDS['cloth']}, and this is the curtain; leave it out")
+        return {**CURTAIN, **data} if curtain else data
+
+    @model_validator(mode="after")
+    def _in_its_way(self):
+        if (self.method == "trace") != (self.curtain is not None):
+            raise ValueError(
+                f"method {self.method}: the curtain is ray traced, expected trace" if self.curtain is not None else
+                "method trace: renders the curtain; give its scene: glcloth render curtain"
+            )  # fmt: skip
+        if self.spp > 256 and self.curtain is None:
+            raise ValueError(f"spp = {self.spp}: expected at most 256 (the curtain: 4096)")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _own_fields(self, dump) -> dict:
+        return {name: value for name, value in dump(self).items() if kind_of(name) in ("", self.kind)}
 
     @field_validator("size", mode="before")
     @classmethod
@@ -107,7 +321,8 @@ class Scene(BaseModel):
         except (TypeError, ValueError):
             color = ()
         if len(color) != 3 or not all(0.0 <= v <= 1.0 for v in color):
-            raise ValueError(f"expected R,G,B from 0 to 1 such as 0.3,0.3,0.3, not {_said(value)}")
+            said = ",".join(map(str, value)) if isinstance(value, list | tuple) else value
+            raise ValueError(f"expected R,G,B from 0 to 1 such as 0.3,0.3,0.3, not {said}")
         return color
 
     @field_validator("lobes", mode="before")
@@ -121,37 +336,42 @@ class Scene(BaseModel):
             raise ValueError(f'expected 1 to 64 or "auto", not {value}')
         return value
 
-    def changed(self, **changes) -> Scene:
-        """The same scene with some fields replaced. Raises InputError for unknown fields and values out of range."""
-        return parse_scene({**self.model_dump(exclude_unset=True), **changes}, "scene")
+    @property
+    def kind(self) -> Kind:
+        """Whether it is cloth under an environment or the curtain."""
+        return "cloth" if self.curtain is None else "curtain"
+
+    def stored(self) -> dict:
+        """Its plain values as a picture keeps them: files by their whole path, so that it renders from any folder."""
+        data = self.model_dump(mode="json", exclude_none=True)
+        for entry in entries(Scene):
+            if entry.file and entry.name in data:
+                value = data[entry.name]
+                data[entry.name] = [_whole(v) for v in value] if isinstance(value, list) else _whole(value)
+        return data
+
+    def differences(self) -> dict:
+        """The plain values that differ from those of a new scene of its kind, as a file or a script holds them."""
+        base = Scene() if self.curtain is None else Scene(curtain=CurtainParameters())
+        before = base.model_dump(mode="json", exclude_none=True)
+        out = {name: value for name, value in self.stored().items() if value != before[name]}
+        if self.curtain is not None:  # by this table a file is known
+            table = self.curtain.model_dump(mode="json")
+            out["curtain"] = {name: v for name, v in table.items() if v != before["curtain"][name]}
+        return out
 
 
-def _said(value) -> str:
-    """A value of several as a person wrote it."""
-    return ",".join(map(str, value)) if isinstance(value, list | tuple) else str(value)
+def kind_of(name: str) -> Kind | Literal[""]:
+    """The kind of scene that a field belongs to; "" for a field of both."""
+    field = Scene.model_fields.get(name)
+    if name == "curtain":
+        return "curtain"
+    of = field.json_schema_extra["of"] if field is not None and isinstance(field.json_schema_extra, dict) else ""
+    return of if of in ("", "curtain") else "cloth"
 
 
-def parse_scene(data: dict, where: str) -> Scene:
-    """Return the Scene of a plain dictionary; `where` names its origin in errors. Raises InputError."""
-    try:
-        return Scene.model_validate(data)
-    except ValidationError as error:
-        problem = error.errors()[0]
-        place = [
-            str(part) for part in problem["loc"] if not str(part).startswith(("literal", "function", "constrained"))
-        ]
-        name = place[0] if place else "scene"
-        if problem["type"] == "extra_forbidden":
-            close = difflib.get_close_matches(name, list(Scene.model_fields), 1, 0.5)
-            hint = f"; did you mean {close[0]}?" if close else f"; known keys: {', '.join(Scene.model_fields)}"
-            raise InputError(f"{where}: {name}: unknown key{hint}") from None
-        if problem["type"] == "value_error":
-            raise InputError(f"{where}: {name}: {problem['ctx']['error']}") from None
-        if problem["type"] == "literal_error":
-            expected = problem["ctx"]["expected"].replace("'", "")
-            raise InputError(f"{where}: {name} = {problem['input']!r}: expected {expected}") from None
-        message = problem["msg"][0].lower() + problem["msg"][1:]
-        raise InputError(f"{where}: {name} = {problem['input']!r}: {message}") from None
+def _whole(name: Any) -> Any:
+    return str(Path(name).resolve()) if isinstance(name, str) and name and Path(name).is_file() else name
 
 
 def builtin_scenes() -> list[str]:
@@ -159,24 +379,16 @@ def builtin_scenes() -> list[str]:
     return sorted(path.stem for path in SCENES.glob("*.toml"))
 
 
-# Ray traced, with fields of its own: glcloth/curtain/show.py reads it.
-CURTAIN = "curtain"
-
-
-def load_scene(name_or_path: str | Path) -> Scene:
+def load_scene(name_or_path: str | Path | Scene) -> Scene:
     """Return a built-in scene, one read from a TOML file, or the one that a picture of ours was rendered from.
 
     Raises InputError for an unknown name (with a suggestion), a malformed file, or a picture without a scene in it.
     """
+    if isinstance(name_or_path, Scene):
+        return name_or_path
     text, path = str(name_or_path), Path(name_or_path)
     if path.suffix.lower() in (".exr", ".png"):
-        data = read_settings(path)
-        if not data or "scene" not in data:
-            raise InputError(
-                f"{path}: holds no glcloth scene; give a picture that glcloth rendered, or a scene file (.toml); "
-                "for a map use --env"
-            )
-        return parse_scene(data["scene"], text)
+        return Scene.parse(_of_picture(path), text)
     if path.suffix != ".toml":
         names = builtin_scenes()
         if text not in names and path.is_file():
@@ -184,24 +396,35 @@ def load_scene(name_or_path: str | Path) -> Scene:
                 f"{path}: not a scene, expected .toml, .exr or .png; for a mesh use --mesh, a fabric --fabric, a map --env"
             )
         if text not in names:
-            names = [*names, CURTAIN]
             close = difflib.get_close_matches(text.lower(), names, 1, 0.4)
             hint = f'; did you mean "{close[0]}"?' if close else ""
             raise InputError(
                 f'scene "{text}": not a built-in scene ({", ".join(names)}) and not a .toml, .exr or .png file{hint}'
             )
         path = SCENES / f"{text}.toml"
-    try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; expected a scene file (.toml)") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a text file ({error}); expected a scene file (.toml)") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not TOML: {error}") from None
+    data = read_toml(path, "a scene file (.toml)")
     if "yarn" in data:
         raise InputError(f"{path}: a fabric and not a scene; use --fabric {shlex.quote(text)}")
-    return parse_scene(data, text)
+    return Scene.parse(data, text)
+
+
+def _of_picture(path: Path) -> dict:
+    """The plain values of the scene that a picture keeps."""
+    from .image import read_settings
+
+    settings = read_settings(path) or {}
+    if isinstance(settings.get("scene"), dict):
+        return settings["scene"]
+    if isinstance(settings.get("curtain"), dict):  # as glcloth wrote it before there was one kind of scene
+        return {**settings["curtain"], **({"frame": settings["frame"]} if "frame" in settings else {})}
+    raise InputError(
+        f"{path}: holds no glcloth scene; give a picture that glcloth rendered, or a scene file (.toml); for a map use --env"
+    )
+
+
+def header(scene: Scene) -> dict:
+    """What a picture keeps of the scene that it shows, for `write_image`; `load_scene` reads it back."""
+    return {"glcloth": __version__, "scene": scene.stored()}
 
 
 def save_scene(path: str | Path, scene: Scene) -> None:

@@ -1,6 +1,7 @@
 """One context for the whole session; GL errors fail the test that made them; the shared folder is optional."""
 
 import os
+from collections import Counter
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,36 @@ from glcloth.gpu.context import create_context
 
 ROOT = Path(__file__).resolve().parent.parent
 SHARED = Path(os.environ.get("GLCLOTH_SHARED") or ROOT.parent / "shared")
+
+# Every reason to skip: words of it, what would change it, and whether CI lets it pass.
+SKIPS = (
+    ("needs Xvfb", "make tools", False),
+    ("shared", "GLCLOTH_SHARED=FOLDER make test, with the folder of golden values and real maps", True),
+    ("another rasteriser", "LIBGL_ALWAYS_SOFTWARE=1 make test", True),
+    ("one node is for narrow Gaussians", "nothing: that case does not exist", True),
+)
+
+
+def skipped(config) -> Counter:
+    """{(reason, remedy, allowed in CI): how many} of the tests that were skipped."""
+    reports = config.pluginmanager.get_plugin("terminalreporter").stats.get("skipped", [])
+    reasons = [report.longrepr[2].removeprefix("Skipped: ") for report in reports]
+    known = [next((skip for skip in SKIPS if skip[0] in reason), ("", "unknown", False)) for reason in reasons]
+    return Counter((reason, skip[1], skip[2]) for reason, skip in zip(reasons, known, strict=True))
+
+
+def pytest_sessionfinish(session):
+    """In CI a test that is skipped is a test that fails, but for reasons on the list."""
+    if os.environ.get("CI") == "true" and any(not allowed for _, _, allowed in skipped(session.config)):
+        session.exitstatus = session.exitstatus or pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    """Say what was skipped, why, and what would change that."""
+    for (reason, remedy, allowed), count in sorted(skipped(config).items()):
+        line = f"skipped {count}: {reason}; to run: {remedy}"
+        in_ci = os.environ.get("CI") == "true" and not allowed
+        terminalreporter.write_line(line + ("; not allowed in CI" if in_ci else ""), red=in_ci, yellow=not in_ci)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -58,5 +89,5 @@ def renderer(ctx, session_renderer):
 def shared():
     """The folder with golden values and real HDRIs beside the project; tests that need it skip without it."""
     if not SHARED.is_dir():
-        pytest.skip(f"{SHARED} is not there")
+        pytest.skip(f"no shared folder at {SHARED}")
     return SHARED

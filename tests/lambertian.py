@@ -48,6 +48,5 @@ class LambertianReference(Reference):
     def diffuse_albedo(self, fabric):
         return self.albedo
 
-    def bind(self, program):
-        super().bind(program)
-        program["albedo"].value = tuple(self.albedo)
+    def inputs(self):
+        return {**super().inputs(), "albedo": tuple(self.albedo)}

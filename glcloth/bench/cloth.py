@@ -17,7 +17,9 @@ from ..errors import InputError
 from ..files import cache_dir
 from ..geometry.mesh import Mesh
 from ..gpu.context import create_context, is_software, list_devices
-from ..picture.renderer import METHODS, Frame, Renderer
+from ..methods.registry import METHODS
+from ..picture.frame import Frame
+from ..picture.renderer import Renderer
 from ..progress import track
 from ..scene import Scene
 
@@ -159,7 +161,7 @@ def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:
         [measured(lambda: vertices.integrate(frame.lights.rotated(np.eye(3)), broad)) for _ in range(times)], 0
     )
     renderer.draw(frame)
-    view = renderer.shadow_view
+    view = renderer.target.part(cloth).view
     view.forget_edges()
     edges = measured(lambda: list(view.edges()))
     count = len(vertices.probes.points)

@@ -5,8 +5,6 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Literal
 
 import moderngl
 import numpy as np
@@ -17,80 +15,9 @@ from scipy.sparse.linalg import spsolve
 from ..errors import InputError
 from ..geometry.mesh import Mesh, build_mesh
 from ..geometry.shapes import grid_triangles
+from ..scene import CurtainParameters
 from ..simulation.cloth import Cloth, ClothParameters, Wind
 from ..simulation.solids import Plane
-
-
-@dataclass(frozen=True)
-class CurtainParameters:
-    """A curtain on a rail along x, the window in the plane z = 0 behind it, the floor at y = 0; SI units.
-
-    width, top: length of the rail, its height, m. clearance: from the window to the backs of the pleats, m. drop: length
-    of the cloth, m.
-    fullness: width of the cloth over that of the rail. pleats: folds along the rail. irregularity: how unequal they are
-    (0 = all alike). quads: cells of the grid along the rail and down the cloth. heading: "tape" holds the whole upper
-    edge in pleats, "rings" only the front of each pleat. mass: kg/m^2. stretch, shear: N/m. bending: N m. hem: factor on
-    the mass of the lowest row. wind: m/s, perpendicular to the window into the room; gustiness: 0..1. openness: share
-    of the cloth that lets air through. damping: 1/s. settle: seconds without wind before the first frame.
-    """
-
-    width: float = 2.5
-    top: float = 2.41
-    clearance: float = 0.06
-    drop: float = 2.3
-    fullness: float = 1.8
-    pleats: int = 13
-    irregularity: float = 0.2
-    quads: tuple[int, int] = (158, 40)
-    heading: Literal["tape", "rings"] = "tape"
-    mass: float = 0.06
-    stretch: float = 3000.0
-    shear: float = 15.0
-    bending: float = 3e-5
-    hem: float = 2.0
-    wind: float = 0.5
-    gustiness: float = 1.0
-    openness: float = 0.35
-    damping: float = 0.6
-    settle: float = 1.5
-
-    def __post_init__(self):
-        for name in ("width", "drop", "clearance", "mass", "stretch", "hem"):
-            if not getattr(self, name) > 0:
-                raise InputError(f"curtain: {name} = {getattr(self, name)}, must be > 0; change it")
-        if not 1.0 <= self.fullness <= 4.0:
-            raise InputError(f"curtain: fullness = {self.fullness}, must be 1 to 4 (sheers 1.8 to 3); change it")
-        if not 1 <= self.pleats <= self.quads[0] // 6:
-            raise InputError(
-                f"curtain: pleats = {self.pleats} on {self.quads[0]} quads, must be 1 to {self.quads[0] // 6}, "
-                "six quads each; change one of them"
-            )
-        if min(self.quads) < 6:
-            raise InputError(f"curtain: quads = {self.quads}, must be 6 or more each; change them")
-        if self.heading not in ("tape", "rings"):
-            raise InputError(f"curtain: heading {self.heading!r}, expected tape or rings")
-        for name in ("irregularity", "gustiness", "openness"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise InputError(f"curtain: {name} = {getattr(self, name)}, must be 0 to 1; change it")
-        if not abs(self.wind) <= 20:
-            raise InputError(f"curtain: wind = {self.wind} m/s, must be at most 20; change it")
-        if not 0 <= self.settle <= 60:
-            raise InputError(f"curtain: settle = {self.settle} s, must be 0 to 60; change it")
-
-    def with_triangles(self, count: int) -> CurtainParameters:
-        """Return a curtain of about `count` triangles in the same proportions, with as many pleats as they can show."""
-        if count < 144:
-            raise InputError(f"curtain: {count} triangles, expected 144 or more")
-        across = max(12, round(math.sqrt(count / 2 * self.quads[0] / self.quads[1])))
-        return dataclasses.replace(
-            self, quads=(across, max(6, round(count / 2 / across))), pleats=max(1, min(self.pleats, across // 12))
-        )
-
-    @property
-    def triangle_count(self) -> int:
-        """How many triangles the curtain has."""
-        return 2 * self.quads[0] * self.quads[1]
-
 
 # What may change while the curtain moves; for anything else it is hung anew.
 LIVE = ("wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
@@ -152,7 +79,7 @@ class CurtainSimulation:
     def change(self, parameters: CurtainParameters) -> bool:
         """Take other parameters while the curtain moves; False, and nothing done, where it must be hung anew for them."""
         m = self.parameters
-        if dataclasses.replace(m, **{name: getattr(parameters, name) for name in LIVE}) != parameters:
+        if m.changed(**{name: getattr(parameters, name) for name in LIVE}) != parameters:
             return False
         self.parameters = m = parameters
         self.cloth.set_parameters(dataclasses.replace(self.cloth.parameters, **_material(m)))
@@ -164,11 +91,10 @@ class CurtainSimulation:
         """Seconds since the wind began."""
         return self.cloth.time
 
-    def step(self, dt: float) -> moderngl.Buffer:
-        """Advance by dt seconds; return `position_buffer`. Normals and tangents are up to date."""
+    def step(self, dt: float) -> None:
+        """Advance by dt seconds; normals and tangents are up to date then."""
         for _ in self.steps(dt):
             pass
-        return self.position_buffer
 
     def steps(self, dt: float) -> Iterator[None]:
         """As `step`, a few substeps at a time, for a caller with other things to do in between."""

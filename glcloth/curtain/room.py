@@ -131,8 +131,8 @@ def furnish() -> list[Quad]:
             quads += box("table", (x, 0.0, depth), (x + leg, top - 0.04, depth + leg), without="-y +y")
     quads += box("rug", (-0.5, 0.0, 0.9), (1.5, 0.012, 2.6), without="-x +x -y -z +z")
     for material, margin, depth in (("table", 0.06, 0.012), ("picture", 0.0, 0.014)):
-        low, high = (LOW[0], 1.15 - margin, 1.3 - margin), (LOW[0] + depth, 1.85 + margin, 2.4 + margin)
-        quads += box(material, low, high, without="-x -y +y -z +z")
+        corners = (LOW[0], 1.15 - margin, 1.3 - margin), (LOW[0] + depth, 1.85 + margin, 2.4 + margin)
+        quads += box(material, *corners, without="-x -y +y -z +z")
     return quads
 
 
@@ -147,8 +147,8 @@ def room_text() -> tuple[str, str]:
         if material != current:
             obj.append(f"usemtl {material}")
             current = material
-        normal = np.cross(corners[1] - corners[0], corners[3] - corners[0])
-        normal = tuple(np.round(normal / np.linalg.norm(normal), 6) + 0.0)
+        across = np.cross(corners[1] - corners[0], corners[3] - corners[0])
+        normal = tuple(np.round(across / np.linalg.norm(across), 6) + 0.0)
         obj += [f"v {x:.6g} {y:.6g} {z:.6g}" for x, y, z in corners]
         if normal not in directions:
             directions.append(normal)

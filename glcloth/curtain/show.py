@@ -1,137 +1,37 @@
-"""The curtain scene from beginning to end: a room, a curtain in the wind, a lamp outside; pictures, trees, measurements."""
+"""The curtain scene from beginning to end: a room, a curtain in the wind, a lamp outside; pictures and trees."""
 
 from __future__ import annotations
 
 import dataclasses
-import statistics
-import time
-import tomllib
 from collections.abc import Callable, Iterator
-from itertools import pairwise
 from pathlib import Path
-from typing import Annotated, Literal
 
 import moderngl
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
-from ..accel.kdtree import CONSTANTS
 from ..accel.triangles import Triangles
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
-from ..image import read_settings
 from ..light.environment import Environment, load_environment
-from ..scene import View, ViewTransform
+from ..progress import track
+from ..scene import CurtainParameters, Scene
 from ..tracing.lamp import Lamp, Lighting
-from ..tracing.tracer import BLOCK, Shot, Tracer, TraceSettings
+from ..tracing.shot import Shot, TraceSettings
+from ..tracing.tracer import Tracer
 from ..tracing.tree_view import TreeContent, draw_tree
-from .hanging import CurtainParameters, CurtainSimulation
+from .hanging import CurtainSimulation
 from .room import ROOM, Room, load_room
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
 VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
-Vec3 = tuple[float, float, float]
 
 
-class CurtainScene(BaseModel):
-    """The curtain scene; fields are options of `glcloth render curtain` and `glcloth animate curtain`.
-
-    Lengths in metres, +Y up; the window is in the plane z = 0, the room before it (z > 0), the lamp behind it.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
-
-    fabric: str | Fabric = "sheer_voile"
-    room: str = ""  # an OBJ file; empty: the built-in room
-    curtain: CurtainParameters = CurtainParameters()
-    lamp_position: Vec3 = (1.6, 3.6, -5.0)
-    lamp_intensity: Vec3 = (190.0, 176.0, 150.0)
-    ambient: Vec3 = (0.3, 0.3, 0.31)
-    env: str = "sky"
-    env_rotate: float = 90.0
-    camera: View = View()
-    size: tuple[int, int] = (640, 640)
-    depth: Annotated[int, Field(ge=1, le=8)] = 4
-    spp: Annotated[int, Field(ge=1, le=4096)] = 1
-    spread: bool = False
-    accelerator: Literal["kdtree", "lbvh", "brute"] = "kdtree"
-    cutoff: Annotated[float, Field(ge=0, lt=1)] = 1e-3
-    rate: Annotated[int, Field(ge=1, le=240)] = 24  # frames per second
-    exposure: Annotated[float, Field(ge=-20, le=20)] = 0.0
-    view_transform: ViewTransform = "standard"
-
-    @field_validator("size", mode="before")
-    @classmethod
-    def _size(cls, value):
-        if isinstance(value, str):
-            parts = value.lower().split("x")
-            if len(parts) != 2 or not all(p.isdigit() for p in parts):
-                raise ValueError(f"expected WIDTHxHEIGHT such as 640x480, not {value!r}")
-            value = tuple(int(p) for p in parts)
-        if any(not 1 <= v <= 16384 for v in value):
-            raise ValueError(f"expected 1 to 16384 pixels a side, not {value[0]}x{value[1]}")
-        return value
-
-    def changed(self, **changes) -> CurtainScene:
-        """The same scene with some fields replaced. Raises InputError for unknown fields and values out of range."""
-        return parse_curtain_scene({**self.model_dump(exclude_unset=True), **changes}, "scene")
-
-    @property
-    def settings(self) -> TraceSettings:
-        """How a picture of it is traced."""
-        return TraceSettings(self.depth, self.spp, self.spread, self.cutoff, self.accelerator)
-
-    @property
-    def lighting(self) -> Lighting:
-        """What lights it."""
-        return Lighting(Lamp(self.lamp_position, self.lamp_intensity), self.ambient)
-
-    @property
-    def view(self) -> Camera:
-        """Its camera; what the scene leaves open is that of the built-in room."""
-        c = self.camera
-        return Camera(c.eye or VIEW.eye, c.target or VIEW.target, c.up, c.fov_deg or VIEW.fov_deg)
-
-
-def parse_curtain_scene(data: dict, where: str = "scene") -> CurtainScene:
-    """Return the CurtainScene of a plain dictionary; `where` names its origin in errors. Raises InputError."""
-    try:
-        return CurtainScene.model_validate(data)
-    except ValidationError as error:
-        problem = error.errors()[0]
-        name = ": ".join(str(part) for part in problem["loc"])
-        if problem["type"] in ("extra_forbidden", "unexpected_keyword_argument"):
-            known = CurtainScene.model_fields
-            if len(problem["loc"]) > 1:
-                known = [f.name for f in dataclasses.fields(CurtainParameters)]
-            raise InputError(f"{where}: {name}: unknown key; known keys: {', '.join(known)}") from None
-        if problem["type"] == "value_error":
-            raise InputError(f"{where}: {name}: {problem['ctx']['error']}") from None
-        message = problem["msg"][0].lower() + problem["msg"][1:]
-        raise InputError(f"{where}: {name} = {problem['input']!r}: {message}") from None
-
-
-def load_curtain_scene(name_or_path: str | Path) -> CurtainScene | None:
-    """Return the curtain scene of a name or file, or None when that is no curtain scene (another loader may know it).
-
-    A curtain scene is the built-in `curtain`, a .toml file with a [curtain] table, or a picture rendered from one.
-    Raises InputError for a curtain scene with wrong values.
-    """
-    text, path = str(name_or_path), Path(name_or_path)
-    if text == "curtain":
-        return CurtainScene()
-    if path.suffix.lower() in (".exr", ".png"):
-        data = read_settings(path) or {}
-        return parse_curtain_scene(data["curtain"], text) if "curtain" in data else None
-    if path.suffix == ".toml" and path.is_file():
-        try:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError):
-            return None
-        return parse_curtain_scene(data, text) if "curtain" in data else None
-    return None
+def camera_of(scene: Scene) -> Camera:
+    """The camera of a curtain's scene; what it leaves open is that of the built-in room."""
+    c = scene.camera
+    return Camera(c.eye or VIEW.eye, c.target or VIEW.target, c.up, c.fov_deg or VIEW.fov_deg)
 
 
 class CurtainShow:
@@ -143,7 +43,7 @@ class CurtainShow:
     def __init__(
         self,
         ctx: moderngl.Context,
-        scene: CurtainScene | None = None,
+        scene: Scene | None = None,
         triangles: int | None = None,
         environment: Environment | None = None,
         settle: bool = True,
@@ -159,11 +59,14 @@ class CurtainShow:
         Raises InputError for wrong files and values.
         """
         self.ctx = ctx
-        self.scene = scene = scene or CurtainScene()
+        self.scene = scene = scene or Scene(curtain=CurtainParameters())
         self.fabric: Fabric = load_fabric(scene.fabric)
         self.environment: Environment = environment or load_environment(scene.env)
         self.room: Room = load_room(scene.room or ROOM)
+        self._room = scene.room, _changed_at(scene.room)
         parameters = scene.curtain
+        if parameters is None:
+            raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
         if triangles is not None:
             if triangles <= len(self.room.positions):
                 raise InputError(
@@ -179,7 +82,7 @@ class CurtainShow:
         reach = max(
             float(np.abs(self.room.positions).max(initial=0.0)), parameters.width, parameters.top + parameters.drop
         )
-        self.triangles = Triangles(ctx, room + cloth, max(reach, float(np.abs(scene.view.eye).max())))
+        self.triangles = Triangles(ctx, room + cloth, max(reach, float(np.abs(camera_of(scene).eye).max())))
         self.triangles.set(0, self.room.positions, material=self.room.material + CLOTH + 1)
         self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
         self.tracer = Tracer(ctx)
@@ -206,7 +109,7 @@ class CurtainShow:
         self.frame += 1
         self.moved()
 
-    def change(self, scene: CurtainScene, environment: Environment | None = None) -> bool:
+    def change(self, scene: Scene, environment: Environment | None = None) -> bool:
         """Take another scene as the curtain hangs now; False, and nothing done, where it must be made anew.
 
         environment : the new scene's, where it has been read already
@@ -223,6 +126,18 @@ class CurtainShow:
             self.environment = load_environment(scene.env)
         self.scene, self.fabric = scene, fabric
         return True
+
+    def goes_on_to(self, scene: Scene) -> bool:
+        """Whether the frame of another scene is one of those that come: the same cloth in the same room and wind."""
+        parameters = _with_openness(scene.curtain, load_fabric(scene.fabric))
+        same = parameters == self.simulation.parameters and scene.rate == self.scene.rate
+        return same and scene.frame >= self.frame and (scene.room, _changed_at(scene.room)) == self._room
+
+    def facts(self) -> dict:
+        """What its picture shows, in plain values."""
+        return {
+            "method": "trace", "fabric": self.fabric.name, "frame": self.frame, "triangles": self.triangles.count
+        }  # fmt: skip
 
     def is_built(self, accelerator: str) -> bool:
         """Whether a structure holds the present frame."""
@@ -243,12 +158,14 @@ class CurtainShow:
             yield from self.tracer.build_steps(accelerator)
             self._built.add(accelerator)
 
-    def shot(self, other: CurtainScene | None = None) -> Shot:
+    def shot(self, other: Scene | None = None) -> Shot:
         """What the tracer shows of the scene, or of another one whose fabric and rays to take; the curtain hangs as it
         hangs."""
         s = other or self.scene
         fabric = self.fabric if other is None else load_fabric(other.fabric)
-        return Shot(s.view, s.size, fabric, s.lighting, self.environment, s.settings, s.env_rotate)
+        settings = TraceSettings(s.depth, s.spp, s.spread, s.cutoff, s.accelerator)
+        lighting = Lighting(Lamp(s.lamp_position, s.lamp_intensity), s.ambient)
+        return Shot(camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate)
 
     def picture(self) -> np.ndarray:
         """Trace the present frame: float32 [H, W, 3], linear Rec. 709, top row first."""
@@ -256,7 +173,7 @@ class CurtainShow:
         return self.tracer.trace(self.shot())
 
     def steps(
-        self, size: tuple[int, int], spp: int, pixels: Callable[[], int], other: CurtainScene | None = None
+        self, size: tuple[int, int], spp: int, pixels: Callable[[], int], other: Scene | None = None
     ) -> Iterator[float]:
         """Trace the present frame tile by tile into `tracer.picture`, as Tracer.steps does; at the scene's size and
         samples it is `picture`, bit for bit.
@@ -269,7 +186,7 @@ class CurtainShow:
         settings = dataclasses.replace(shot.settings, spp=spp)
         return self.tracer.steps(dataclasses.replace(shot, size=size, settings=settings), pixels)
 
-    def layers(self, size: tuple[int, int] | None = None, other: CurtainScene | None = None) -> np.ndarray:
+    def layers(self, size: tuple[int, int] | None = None, other: Scene | None = None) -> np.ndarray:
         """The present frame rasterised: sorted layers, blended, without shadows; result as for `picture`.
 
         size, other : as for `steps`
@@ -281,7 +198,7 @@ class CurtainShow:
 
     def tree(self, level: int | None = None, camera: Camera | None = None) -> np.ndarray:
         """The structure of the present frame as a picture, of one level or (None) of its leaves; result as for `picture`."""
-        return draw_tree(self.ctx, self.tree_content(camera or self.scene.view), self.scene.size, level)
+        return draw_tree(self.ctx, self.tree_content(camera or camera_of(self.scene)), self.scene.size, level)
 
     def tree_content(self, camera: Camera) -> TreeContent:
         """What a picture of the structure shows of the present frame."""
@@ -317,11 +234,33 @@ class CurtainShow:
         self.release()
 
 
+def show_at_its_frame(
+    ctx: moderngl.Context, scene: Scene, environment: Environment, last: CurtainShow | None = None
+) -> CurtainShow:
+    """The curtain of a scene as it hangs at its frame: the last show, where that goes on to it, or a new one.
+
+    Raises InputError for wrong files and values.
+    """
+    if last is None or not last.goes_on_to(scene) or not last.change(scene, environment):
+        if last is not None:
+            last.release()
+        last = CurtainShow(ctx, scene, environment=environment)
+    count = scene.frame - last.frame
+    for _ in track(range(count), "the wind blows: frames", count):
+        last.advance()
+    return last
+
+
+def _changed_at(room: str) -> int:
+    """When the file of a room was last changed."""
+    return Path(room).stat().st_mtime_ns if room and Path(room).is_file() else 0
+
+
 def _with_openness(parameters: CurtainParameters, fabric: Fabric) -> CurtainParameters:
     """The curtain lets air through as its fabric does."""
     if fabric.transmission is None:
         return parameters
-    return dataclasses.replace(parameters, openness=fabric.transmission.openness)
+    return parameters.changed(openness=fabric.transmission.openness)
 
 
 def hides(positions: np.ndarray, camera: Camera) -> np.ndarray:
@@ -331,119 +270,3 @@ def hides(positions: np.ndarray, camera: Camera) -> np.ndarray:
     toward = np.array(camera.eye) - positions.mean(1)
     large = size > 0.5 * size.max()
     return large & ((normal * toward).sum(1) < 0)
-
-
-def bench_curtain(
-    ctx: moderngl.Context, scene: CurtainScene | None = None, frames: int = 60, triangles: int | None = None
-) -> dict:
-    """Measure animated frames: simulation, build by stage, trace by level; medians in ms, wall and CPU time of the process.
-
-    scene : default: the built-in one at 320 x 320, depth 4
-    triangles : about how many, default 12,786
-
-    Returns sim_ms, build_ms, trace_ms, frame_ms, fps, cpu_ms (of all threads), triangles, rays (and per level), nodes, depth,
-    sah, steps and tests per ray, camera rays per second, stages, levels. Raises InputError for fewer than 1 frame.
-    """
-    if frames < 1:
-        raise InputError(f"--frames {frames}: expected at least 1")
-    scene = scene or CurtainScene(size=(320, 320))
-    with CurtainShow(ctx, scene, triangles) as show:
-        rows: list[dict] = []
-        stages: list[dict] = []
-        show.picture()  # compiles
-        show.advance()
-        show.picture()
-        for _ in range(frames):
-            clock, cpu = [time.perf_counter()], time.process_time()
-            show.advance()
-            ctx.finish()
-            clock.append(time.perf_counter())
-            show.build()
-            ctx.finish()
-            clock.append(time.perf_counter())
-            show.picture()
-            clock.append(time.perf_counter())
-            sim, build, trace = (1000 * float(b - a) for a, b in pairwise(clock))
-            s = show.tracer.statistics
-            rows.append(
-                {
-                    "sim_ms": sim,
-                    "build_ms": build,
-                    "trace_ms": trace,
-                    "frame_ms": sim + build + trace,
-                    "cpu_ms": 1000 * (time.process_time() - cpu),
-                    "rays": sum(s.rays) + sum(s.shadow_rays),
-                }
-            )
-            stages.append(dict(s.build_ms))
-        structure = show.tracer.structure(scene.accelerator)
-        median = {name: round(statistics.median(row[name] for row in rows), 3) for name in rows[0]}
-        result = median | {
-            "fps": round(1000 / median["frame_ms"], 2),
-            "rays": int(median["rays"]),
-            "accelerator": scene.accelerator,
-            "triangles": show.triangles.count,
-            "size": list(scene.size),
-            "trace_depth": scene.depth,
-            "frames": frames,
-            "nodes": structure.node_count,
-            "leaf_triangles": structure.leaf_ref_count,
-            "build_stages_ms": {k: round(statistics.median(row[k] for row in stages), 3) for k in stages[0]},
-            "levels": [
-                {
-                    "rays": r,
-                    "heads": h,
-                    "shadow_rays": n,
-                    "trace_ms": round(a, 3),
-                    "shade_ms": round(b, 3),
-                    "shadow_ms": round(c, 3),
-                }
-                for r, h, n, a, b, c in zip(
-                    s.rays, s.heads, s.shadow_rays, s.trace_ms, s.shade_ms, s.shadow_ms, strict=True
-                )
-            ],
-            "renderer": ctx.info["GL_RENDERER"],
-        }
-        return result | _quality(show)
-
-
-def _quality(show: CurtainShow) -> dict:
-    """Depth and SAH cost of the tree, steps and triangle tests of a camera ray: they do not depend on the machine."""
-    structure = show.tracer.structure(show.scene.accelerator)
-    if show.scene.accelerator == "brute":
-        return {"depth": 0, "steps_per_ray": 0, "tests_per_ray": show.triangles.count}
-    tree = structure.arrays()
-    leaf = tree["axis"] == 3
-    finite = np.isfinite(tree["low"]).all(1) & np.isfinite(tree["high"]).all(1)
-    e = np.where(finite[:, None], tree["high"].astype(float) - tree["low"], 0.0)
-    area = e[:, 0] * e[:, 1] + e[:, 1] * e[:, 2] + e[:, 2] * e[:, 0]
-    if not finite[0]:
-        area[0] = area[1:3].max()
-    # A pair of triangles counts as one: the builder's own unit.
-    kdtree = show.scene.accelerator == "kdtree"
-    C_ts, held = (CONSTANTS["C_TS"], tree["pairs"]) if kdtree else (1.0, tree["count"])
-    view, size = show.scene.view, show.scene.size
-    # As the tracer orders them, block by block.
-    w, h = BLOCK
-    at = np.arange(size[0] // w * w * (size[1] // h * h))
-    down = size[1] // h
-    x = at // (w * h) // down * w + at % w + 0.5
-    y = at // (w * h) % down * h + at // w % h + 0.5
-    d = np.stack([x, y, np.ones_like(x)], -1) @ view.ray_from_pixel(size).T
-    queries = show.tracer.queries
-    work = queries.closest_hit(structure, np.broadcast_to(view.eye, d.shape), d, counted=True).work
-    count = queries.upload(np.broadcast_to(view.eye, d.shape), d)
-    laps = []
-    for _ in range(9):
-        begin = time.perf_counter()
-        queries.run(structure, "closest", count)
-        show.ctx.finish()
-        laps.append(time.perf_counter() - begin)
-    return {
-        "depth": int(tree["depth"].max()),
-        "sah": round(float((np.where(leaf, held, C_ts) * area).sum() / area[0]), 2),
-        "C_ts": C_ts,
-        "steps_per_ray": round(float(work[:, 0].mean()), 2),
-        "tests_per_ray": round(float(work[:, 1].mean()), 2),
-        "primary_rays_per_second": round(count / statistics.median(laps[1:])),
-    }

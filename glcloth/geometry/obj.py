@@ -72,17 +72,9 @@ def read_obj(text: str, where: str) -> ObjData:
             continue
         kind = words[0]
         if kind in values:
-            try:
-                row = [float(word) for word in words[1 : 1 + least[kind]]]
-            except ValueError:
-                raise InputError(
-                    f"{where}:{number}: `{line.strip()}`: expected numbers; mend or re-export it"
-                ) from None
-            if len(row) < least[kind]:
-                raise InputError(
-                    f"{where}:{number}: `{line.strip()}`: expected {least[kind]} numbers; is the file cut off?"
-                )
-            values[kind].append(row)
+            values[kind].append(
+                _numbers(words[1 : 1 + least[kind]], least[kind], f"{where}:{number}: `{line.strip()}`")
+            )
         elif kind == "f":
             face = [_corner(word, values, f"{where}:{number}") for word in words[1:]]
             if len(face) < 3:
@@ -120,8 +112,19 @@ def read_obj(text: str, where: str) -> ObjData:
     )
 
 
+def _numbers(words: list[str], count: int, where: str) -> list[float]:
+    """Return the `count` numbers of a line."""
+    try:
+        row = [float(word) for word in words]
+    except ValueError:
+        raise InputError(f"{where}: expected numbers; mend or re-export it") from None
+    if len(row) < count:
+        raise InputError(f"{where}: expected {count} numbers; is the file cut off?")
+    return row
+
+
 def _corner(word: str, values: dict[str, list], where: str) -> tuple[int, int, int]:
-    """Return zero-based (v, vt, vn) of one `v/vt/vn` word, -1 for what it leaves out; negative numbers count back."""
+    """Return zero-based (v, vt, vn) of one `v/vt/vn` word, -1 for a part left out; negative numbers count back."""
     found = [-1, -1, -1]
     parts = word.split("/")
     if len(parts) > 3 or not parts[0]:

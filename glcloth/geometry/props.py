@@ -1,4 +1,4 @@
-"""What stands about the cloth: solid objects and a ground, matt all of them. Plain values; `cloth.around` lights them."""
+"""Solid objects about the cloth and a ground, all matt, as plain values; `visibility` and `picture.solids` light them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 
 from . import shapes
-from .mesh import Mesh, build_mesh, load_solid
+from .mesh import Mesh, build_mesh
+from .mesh_files import load_solid
 
 GAP = 0.002  # of the cloth's radius: how far below the lowest point a ground lies that is given no height
 FARTHEST = 3.0  # radii of the cloth: how far about it the ground is drawn finely for the sake of objects

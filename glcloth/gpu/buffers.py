@@ -13,9 +13,7 @@ from .context_local import of_context
 # texel format: (OpenGL internal format, bytes per texel)
 _FORMATS = {
     "rgba32f": (GL.GL_RGBA32F, 16),
-    "rg32f": (GL.GL_RG32F, 8),
     "r32f": (GL.GL_R32F, 4),
-    "rgba16f": (GL.GL_RGBA16F, 8),
     "rgba32ui": (GL.GL_RGBA32UI, 16),
     "rg32ui": (GL.GL_RG32UI, 8),
     "rg32i": (GL.GL_RG32I, 8),
@@ -121,7 +119,7 @@ class TextureBuffer(Buffer):
     Parameters
     ----------
     ctx, data : as for Buffer
-    format : texel format, one of rgba32f rg32f r32f rgba16f rgba32ui rg32ui rg32i r32ui r32i
+    format : texel format, one of rgba32f r32f rgba32ui rg32ui rg32i r32ui r32i
     """
 
     def __init__(self, ctx: moderngl.Context, data: Any, format: str = "rgba32f"):

@@ -29,3 +29,8 @@ class EnvironmentMap:
         texture.repeat_x, texture.repeat_y = True, False
         texture.filter = moderngl.LINEAR, moderngl.LINEAR
         return texture
+
+    def release(self) -> None:
+        """Free the texture."""
+        if self._texture.value is not None:
+            self._texture.value.release()

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 import moderngl
@@ -197,10 +198,10 @@ class Compute(Program):
         self.linked.run(*map(int, groups))
         self.ctx.memory_barrier()
 
-    def run_indirect(self, arguments: Buffer, *inputs: Inputs, **own: Any) -> None:
-        """As `run_groups`, for as many work groups as the first three numbers of a buffer on the GPU say."""
+    def run_indirect(self, arguments: Buffer, *inputs: Inputs, skip: int = 0, **own: Any) -> None:
+        """As `run_groups`, for as many work groups as three numbers of a buffer on the GPU say, behind `skip` bytes."""
         self.bind(*inputs, **own)
-        self.linked.run_indirect(arguments.buffer)
+        self.linked.run_indirect(arguments.buffer, skip)
         self.ctx.memory_barrier()
 
 
@@ -282,6 +283,18 @@ class Programs:
 def programs(ctx: moderngl.Context) -> Programs:
     """The programs of a context."""
     return of_context(Programs, ctx)
+
+
+@contextmanager
+def recompiled(ctx: moderngl.Context) -> Iterator[None]:
+    """Within, and from then on, programs are those of the files as they are now; an error brings the old ones back."""
+    before = programs(ctx)
+    del ctx.extra[Programs]
+    try:
+        yield
+    except BaseException:
+        ctx.extra[Programs] = before
+        raise
 
 
 def _key(path: str, defines: Inputs | None, virtual: Mapping[str, str] | None) -> tuple:

@@ -7,7 +7,7 @@ Linen sees degrees up to about 6, silk 12, satin 24.   [own]
 
 import numpy as np
 
-# Measured with 200 random frames per fabric (python tests/measure/bands.py 200).
+# Measured with 200 random frames per fabric (python tests/measure/bands.py).
 # l, linen, silk_crepe_de_chine, silk_shot, satin_charmeuse_front, satin_charmeuse_back, velvet
 _MEASURED = np.array(
     [

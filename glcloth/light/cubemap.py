@@ -67,7 +67,7 @@ def _texel_of_map(height: int, width: int, n: int) -> np.ndarray:
 def average_map(radiance: np.ndarray, n: int) -> np.ndarray:
     """Average radiance [6 n n, 3] of an equirectangular map over the texels; the integral over the sphere is kept.
 
-    What is at most 8 times the mean is averaged with its own weights (a constant map stays constant to the last bit);
+    Radiance up to 8 times the mean is averaged with its own weights (a constant map stays constant to the last bit);
     the excess of small lamps above that is deposited by its flux, so none is lost between texels.
     """
     height, width = radiance.shape[:2]

@@ -42,7 +42,7 @@ __all__ = [
     "save_lights",
 ]
 
-# Changes when a fit of the same map would come out differently; part of the cache key.
+# Part of the cache key: another number when the same map would be fitted differently.
 VERSION = 3
 MAX_LOBES = 64
 AUTO_LOBES = (5, 10, 16, 24, 40, 64)
@@ -50,7 +50,7 @@ AUTO_LOBES = (5, 10, 16, 24, 40, 64)
 
 @dataclass(frozen=True)
 class FitReport:
-    """What a fit found, for people and for JSON.
+    """The result of a fit, for people and for JSON.
 
     Parameters
     ----------

@@ -20,7 +20,7 @@ L_MAX = 32
 
 @dataclass(frozen=True)
 class _Tables:
-    """What depends on l_max alone. J = (l_max + 1)^2."""
+    """Tables of one l_max. J = (l_max + 1)^2."""
 
     l: np.ndarray  # [J] degree
     m: np.ndarray  # [J] |order|

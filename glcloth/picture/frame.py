@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
-from ..geometry.mesh import BUILTIN_MESHES, Mesh, load_mesh, load_view
+from ..geometry.mesh import Mesh
+from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view
 from ..geometry.props import Objects, arrange, load_solids
 from ..gpu.memo import Last
 from ..light.environment import Environment, load_environment, rotation_y
@@ -90,15 +92,17 @@ class Frames:
         **changes: Any,
     ) -> Frame:
         """Read the files of a scene and fit its lights. Parameters as for `Renderer.render`."""
-        scene = load_scene(scene) if isinstance(scene, str) else scene or Scene()
+        scene = Scene() if scene is None else load_scene(scene)
         if objects is not None and not isinstance(objects, Objects):
             changes, objects = {**changes, "objects": objects}, None
         scene = scene.changed(**changes) if changes else scene
+        if scene.curtain is not None:
+            raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")
         if not cloths:
             mesh = mesh if isinstance(mesh, Mesh) else self._loaded(load_mesh, mesh or scene.mesh)
             cloths = (Cloth(mesh, load_fabric(scene.fabric if fabric is None else fabric)),)
         if not isinstance(environment, Environment):
-            environment = self._loaded(load_environment, environment or scene.env)
+            environment = self.environment(environment or scene.env)
         if lights is None:
             lights = self._lights(scene, environment)
         first = cloths[0].mesh
@@ -132,6 +136,14 @@ class Frames:
         self._pose = mesh
         look = scene.ground, scene.ground_color
         return self._objects.get(lambda: arrange(solids, *look, mesh), self._first_pose, solids, look)
+
+    def environment(self, name: str) -> Environment:
+        """The environment of a name or file."""
+        return self._loaded(load_environment, name)
+
+    def fabric(self, name: str | Fabric) -> Fabric:
+        """The fabric of a name or file; a Fabric is itself."""
+        return name if isinstance(name, Fabric) else self._loaded(load_fabric, name)
 
     def _loaded(self, load: Callable[[str], Any], name: str) -> Any:
         """What `load` makes of a name or file; the last one of each kind is kept until its file changes."""

@@ -5,20 +5,21 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import moderngl
 import numpy as np
 
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
-from ..geometry.camera import sample_offsets
+from ..geometry.camera import Camera, sample_offsets
 from ..gpu.context import create_context
 from ..gpu.gbuffer import GBuffer
+from ..light.environment import Environment
 from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..methods.method import Method
 from ..progress import check_stopped
-from ..scene import Scene
+from ..scene import Scene, View, load_scene
 from ..settings import MethodName, Quality, Settings
 from .background import Background
 from .frame import Frame, Frames
@@ -26,6 +27,9 @@ from .pace import Pace
 from .stage import Stage
 from .surface import Surface
 from .target import Target, Targets
+
+if TYPE_CHECKING:
+    from ..curtain.show import CurtainShow
 
 # Numbers of tangents and widths of lobes that need a program each (methods/direct, VARIANTS). More than 8 tangents take
 # seconds to compile and are rare: those wait for it. The first comes twice: llvmpipe compiles the very first one anew.
@@ -51,6 +55,8 @@ class Renderer:
         self._targets = Targets(self.ctx)
         self._target: Target | None = None
         self._background = Background(self.ctx)
+        self._show: CurtainShow | None = None
+        self._last: Frame | CurtainShow | None = None  # what was rendered last
 
     def __enter__(self) -> Renderer:
         return self
@@ -60,6 +66,9 @@ class Renderer:
 
     def close(self) -> None:
         """Free the context and all that lives on it."""
+        if self._show is not None and self.ctx is not None:
+            self._show.release()
+        self._show = self._last = None
         if self._owns_context and self.ctx is not None:
             gc.collect()  # objects that wait for collection must go while their context is alive
             self.ctx.release()
@@ -76,7 +85,8 @@ class Renderer:
 
         Parameters
         ----------
-        scene : a Scene, the name of a built-in one, or a file; default: silk on the built-in cloth in the studio
+        scene : a Scene, the name of a built-in one, or a file; default: silk on the built-in cloth in the studio.
+            The curtain is traced; for all else of it see `show`.
         fabric, mesh, environment : a name, a file, or the object itself
         cloths : several picture.frame.Cloth, each a mesh and its fabric, instead of one
         objects : names and files of meshes that stand about the cloth, or Objects
@@ -87,10 +97,51 @@ class Renderer:
         Returns float32 [H, W, 3], linear Rec. 709, top row first; [H, W, 4] with premultiplied alpha when the
         background is off. Raises InputError for wrong input, and what the methods raise.
         """
+        scene = Scene() if scene is None else load_scene(scene)
+        if scene.curtain is not None:
+            return self.show(scene, **changes).picture()
         return self.render_frame(self.prepare(scene, **changes))
+
+    def show(
+        self,
+        scene: Scene | str,
+        *,
+        environment: Environment | str | None = None,
+        camera: Camera | None = None,
+        **changes: Any,
+    ) -> CurtainShow:
+        """The curtain of a scene as it hangs at its frame: its picture, layers and tree. It is this renderer's, and another
+        call may change it. Parameters as for `render`, without mesh, objects and lights. Raises InputError."""
+        from ..curtain.show import show_at_its_frame  # cloth starts without it
+
+        if isinstance(environment, str):
+            changes["env"], environment = environment, None
+        if camera is not None:
+            changes["camera"] = View.of(camera)
+        scene = load_scene(scene).changed(**{name: value for name, value in changes.items() if value is not None})
+        if scene.curtain is None:
+            raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
+        scene = scene.model_copy(update={"fabric": self._frames.fabric(scene.fabric)})
+        environment = environment or self._frames.environment(scene.env)
+        self._last = self._show = show_at_its_frame(self.ctx, scene, environment, self._show)
+        return self._show
+
+    def facts(self) -> dict[str, Any]:
+        """What the last picture of `render` shows, in plain values."""
+        if not isinstance(self._last, Frame):
+            return {} if self._last is None else self._last.facts()
+        frame = self._last
+        return {
+            "method": frame.scene.method,
+            "fabric": frame.fabric.name,
+            "lobes": len(frame.lights.gaussians),
+            "suns": len(frame.lights.suns),
+            "covered_pixels": self.covered_pixels(),
+        }
 
     def render_frame(self, frame: Frame) -> np.ndarray:
         """Draw a prepared frame and read it back; returns what `render` returns."""
+        self._last = frame
         self.draw(frame)
         picture = self.target.read()
         return picture[..., :3] if frame.scene.background else picture

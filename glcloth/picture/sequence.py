@@ -17,6 +17,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.props import Objects
 from ..image import check_output, write_image
 from ..light.environment import rotation_y
+from ..scene import Scene
 from .frame import Frame
 from .renderer import Renderer
 
@@ -29,6 +30,23 @@ def orbit(camera: Camera, degrees: float) -> Camera:
     """The camera turned about the vertical through its target; positive is counter-clockwise seen from above."""
     turned = np.array(camera.target) + rotation_y(degrees) @ np.subtract(camera.eye, camera.target)
     return replace(camera, eye=tuple(turned))
+
+
+def pictures(
+    renderer: Renderer,
+    scene: Scene,
+    count: int,
+    start: int = 0,
+    poses: Callable[[int], Mesh] | None = None,
+    turntable: bool = False,
+    turn_env: float = 0.0,
+) -> Iterator[np.ndarray]:
+    """Yield the pictures `start` to `count` - 1 of a scene: the curtain in its wind, or cloth as `moving` has it."""
+    if scene.curtain is None:
+        yield from moving(renderer, renderer.prepare(scene), count, start, poses, turntable, turn_env)
+    else:
+        for number in range(start, count):
+            yield renderer.render(scene.changed(frame=number))
 
 
 def moving(

@@ -14,7 +14,7 @@ from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Draw, programs
-from ..visibility.hit_vertices import HitSurface, mean_edge
+from ..visibility.hit_vertices import HitSurface
 from ..visibility.irradiance import irradiance_table
 from ..visibility.pixels import PixelView
 from ..visibility.probes import subdivided
@@ -65,7 +65,7 @@ class Solids(Surface):
         self._shares = [len(a.triangles) // len(b.triangles) for a, b in zip(fine, objects.meshes, strict=True)]
         self.hiding = sum(len(mesh.triangles) for mesh in fine)
         self._hiding_vertices = sum(len(mesh.positions) for mesh in fine)
-        offsets = [np.full(len(mesh.positions), EDGE_OFFSET * mean_edge(mesh)) for mesh in fine]
+        offsets = [np.full(len(mesh.positions), EDGE_OFFSET * mesh.mean_edge) for mesh in fine]
         if (ground := objects.ground) is not None:
             fine.append(ground.mesh)
             offsets.append(np.full(len(ground.mesh.positions), GROUND_OFFSET * ground.scale))

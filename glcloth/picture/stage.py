@@ -8,8 +8,7 @@ import moderngl
 import numpy as np
 
 from ..accel.ground import OverGround
-from ..accel.queries import make_structure
-from ..accel.structure import Structure
+from ..accel.structure import Structure, make_structure
 from ..accel.triangles import Triangles
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import Last

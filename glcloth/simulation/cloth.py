@@ -30,7 +30,7 @@ from ..progress import drain
 from .solids import Solid, solids_glsl
 
 CONSTANTS, _ = shared("simulate/shared.glsl")
-# What some passes only read, by texelFetch, which is much faster: texel formats.
+# Texel formats of blocks that some passes only read: by texelFetch, which is much faster.
 FETCHED = {"Position": "rgba32f", "Previous": "rgba32f", "Velocity": "rgba32f", "AirForce": "rgba32f"}
 FETCHED |= {"Near": "r32i", "NearCount": "r32i"}
 
@@ -45,7 +45,7 @@ class Wind:
 
 @dataclass(frozen=True)
 class ClothParameters:
-    """What the cloth is made of and how finely time is cut; SI units.
+    """The material of the cloth and how finely time is cut; SI units.
 
     spacing: distance of neighbouring vertices of the flat cloth along a row and down a column, m. mass: kg/m^2.
     stretch, shear: stiffness of the sheet along the yarns and on the bias, N/m (inf = does not give). bending: rigidity

@@ -16,7 +16,8 @@ import numpy as np
 from scipy.interpolate import BSpline
 
 from ..errors import InputError
-from ..geometry.mesh import BALL, TABLE, Mesh, build_mesh, load_mesh
+from ..geometry.mesh import Mesh, build_mesh
+from ..geometry.mesh_files import BALL, TABLE, load_mesh
 from ..geometry.shapes import grid_triangles
 from ..progress import track
 from .cloth import Cloth, ClothParameters, Wind
@@ -147,7 +148,7 @@ class Swaying:
         self._rest, self._spline = mesh, _spline(side, side)
         positions = mesh.positions.reshape(side, side, 3).astype(float)
         self.cloth = Cloth(ctx, parameters, positions, SOLIDS, lying(positions))
-        # What the finer cloth was pressed together, this one lets go of, before the wind begins.
+        # The finer cloth was pressed together; this one lets go before the wind begins.
         self._advance(HANG, 8.0)
         self.frame = 0  # how many steps were taken
         self.cloth.time = 0.0

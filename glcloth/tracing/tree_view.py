@@ -8,13 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
 
 from ..errors import InputError
 from ..geometry.camera import Camera
-from ..gpu import shader
+from ..gpu.buffers import TextureBuffer
+from ..gpu.programs import programs
+from .canvas import Canvas
 
 YELLOW, GREEN, GREY, BLACK, PAPER = (
     (1.0, 0.95, 0.45),
@@ -25,7 +28,7 @@ YELLOW, GREEN, GREY, BLACK, PAPER = (
 )
 EDGES = [(0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 6), (5, 7), (6, 7)]
 OVERSAMPLING = 2
-PART = 24_000  # vertices drawn at a time: whole triangles and whole lines
+PIECE = 24_000  # vertices drawn at a time: whole triangles and whole lines
 
 
 def box_lines(low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -38,8 +41,10 @@ def box_lines(low: np.ndarray, high: np.ndarray) -> np.ndarray:
 def shown_nodes(tree: dict[str, np.ndarray], level: int | None) -> np.ndarray:
     """The numbers of the nodes to draw: those of one level, or (level None) the leaves that hold triangles.
 
-    Raises InputError for a level that the tree does not have.
+    Raises InputError for a structure without boxes and for a level that the tree does not have.
     """
+    if "low" not in tree:
+        raise InputError("brute force has no tree to show; choose kdtree or lbvh")
     if level is None:
         return np.flatnonzero((tree["axis"] == 3) & (tree["count"] > 0))
     deepest = int(tree["depth"].max())
@@ -69,13 +74,14 @@ class TreePicture:
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
-        self.texture: moderngl.Texture | None = None
-        self._program = shader.program(ctx, "passes/tracing/plain.vert", "passes/tracing/plain.frag")
-        self._vertices = ctx.buffer(reserve=24, dynamic=True)
-        self._array = ctx.vertex_array(self._program, [(self._vertices, "3f 3f", "position", "vertex_color")])
         self.boxes = 0
-        self._target: moderngl.Framebuffer | None = None
-        self._depth: moderngl.Renderbuffer | None = None
+        self._vertices = TextureBuffer(ctx, 64)
+        self._canvas: Canvas | None = None
+
+    @property
+    def texture(self) -> moderngl.Texture | None:
+        """The picture; None before the first."""
+        return None if self._canvas is None else self._canvas.texture
 
     def draw(self, content: TreeContent, size: tuple[int, int], level: int | None = None) -> int:
         """Draw as `steps` does, all at once; returns how many boxes it drew."""
@@ -91,92 +97,88 @@ class TreePicture:
         `boxes` says afterwards how many were drawn. Raises InputError for a structure without boxes or a level that it
         does not have.
         """
-        tree, positions, lamp = content.tree, content.positions, content.lamp
-        if "low" not in tree:
-            raise InputError("brute force has no tree to show; choose kdtree or lbvh")
-        nodes = shown_nodes(tree, level)
-        low, high = tree["low"][nodes].astype(float), tree["high"][nodes].astype(float)
-        bound_low, bound_high = positions.min((0, 1)).astype(float), positions.max((0, 1)).astype(float)
-        low, high = np.maximum(low, bound_low), np.minimum(high, bound_high)
-        boxes = box_lines(low, high).reshape(-1, 3)
-        length = float(np.linalg.norm(bound_high - bound_low))
-        axes = np.array([[[0, 0, 0], axis] for axis in 0.5 * length * np.eye(3)]).reshape(-1, 3)
-        bulb = np.zeros((0, 3)) if lamp is None else _octahedron(np.array(lamp, float), 0.02 * length)
-        keep = np.ones(len(positions), bool) if content.hidden is None else ~np.asarray(content.hidden)
-        triangles = positions[keep].reshape(-1, 3)
-        tints = np.repeat(np.asarray(content.colors)[keep], 3, 0)
-        edges = triangles.reshape(-1, 3, 3)[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 3)
-        every = np.concatenate([positions.reshape(-1, 3), boxes, axes, bulb])
-        near, far = content.camera.depth_range(every.min(0), every.max(0))
-        self._reserve(size)
-        self._program["clip_from_world"].write(content.camera.clip_from_world(size, near, far).T.astype("f4").tobytes())
-        self._target.use()
-        self._target.clear(*PAPER, 1.0)
+        nodes = shown_nodes(content.tree, level)
+        parts = _parts(content, nodes)
+        every = np.concatenate([content.positions.reshape(-1, 3), *(part.points for part in parts)])
+        clip_from_world = content.camera.clip_from_world(size, *content.camera.depth_range(every.min(0), every.max(0)))
+        canvas = self._sized(size)
+        canvas.clear(PAPER)
         self.boxes = len(nodes)
-        for points, tint, mode, nearer in (
-            (triangles, tints, moderngl.TRIANGLES, 0.0),
-            (edges, BLACK, moderngl.LINES, 2e-5),
-            (bulb, YELLOW, moderngl.TRIANGLES, 0.0),
-            (boxes, GREEN, moderngl.LINES, 1e-5),
-            (axes, GREY, moderngl.LINES, 1e-5),
-        ):
-            for first in range(0, len(points), PART):
-                part = slice(first, first + PART)
-                self._put(points[part], tint[part] if tint is tints else tint, mode, nearer)
+        program = programs(self.ctx).draw("passes/tracing/plain.vert", "passes/tracing/plain.frag")
+        for points, tint, mode, nearer in parts:
+            for first in range(0, len(points), PIECE):
+                count = len(points[first : first + PIECE])
+                data = np.zeros((count, 2, 4), np.float32)
+                data[:, 0, :3] = points[first : first + PIECE]
+                data[:, 1, :3] = np.broadcast_to(tint, points.shape)[first : first + PIECE]
+                self._vertices.write(data)
+                program.bind(vertices=self._vertices, clip_from_world=clip_from_world, nearer=nearer)
+                canvas.draw(program, mode, count)
                 yield
 
-    def _put(self, points: np.ndarray, tint, mode: int, nearer: float) -> None:
-        data = np.empty((len(points), 6), np.float32)
-        data[:, :3], data[:, 3:] = points, tint
-        if self._vertices.size < data.nbytes:
-            self._vertices.orphan(24 * PART)
-        self._vertices.write(data)
-        self._program["nearer"].value = nearer
-        # Between two parts others may have drawn elsewhere.
-        self._target.use()
-        self.ctx.viewport = (0, 0, *self._target.size)
-        self.ctx.enable_only(moderngl.DEPTH_TEST)
-        self._array.render(mode, vertices=len(points))
-        self.ctx.enable_only(moderngl.NOTHING)
-        # moderngl binds the last framebuffer back after making a new one; it must not be a deleted one.
-        self.ctx.detect_framebuffer(0).use()
+    def _sized(self, size: tuple[int, int]) -> Canvas:
+        if self._canvas is None or self._canvas.texture.size != tuple(size):
+            if self._canvas is not None:
+                self._canvas.release()
+            self._canvas = Canvas(self.ctx, size)
+        return self._canvas
 
-    def _reserve(self, size: tuple[int, int]) -> None:
-        if self.texture is not None and self.texture.size == tuple(size):
-            return
-        self._free()
-        self.texture = self.ctx.texture(size, 4, dtype="f4")
-        self._depth = self.ctx.depth_renderbuffer(size)
-        self._target = self.ctx.framebuffer([self.texture], self._depth)
-
-    def _free(self) -> None:
-        self.ctx.detect_framebuffer(0).use()
-        for thing in (self._target, self._depth, self.texture):
-            if thing is not None:
-                thing.release()
-        self.texture = self._depth = self._target = None
+    def pixels(self) -> np.ndarray:
+        """Return the picture as float32 [H, W, 3], top row first."""
+        assert self._canvas is not None, "call draw first"
+        return self._canvas.pixels()
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        self._free()
-        for thing in (self._array, self._vertices, self._program):
-            thing.release()
+        if self._canvas is not None:
+            self._canvas.release()
+        self._vertices.release()
 
 
-def draw_tree(ctx, content: TreeContent, size: tuple[int, int], level: int | None = None) -> np.ndarray:
+def draw_tree(
+    ctx: moderngl.Context, content: TreeContent, size: tuple[int, int], level: int | None = None
+) -> np.ndarray:
     """Draw a structure and the triangles that it holds, once; parameters and errors as for TreePicture.steps.
 
     Returns float32 [H, W, 3], linear, top row first.
     """
     k = OVERSAMPLING
-    drawn = (size[0] * k, size[1] * k)
     picture = TreePicture(ctx)
     try:
-        picture.draw(content, drawn, level)
-        pixels = np.frombuffer(picture.texture.read(), np.float32).reshape(drawn[1], drawn[0], 4)[::-1, :, :3]
-        return pixels.reshape(size[1], k, size[0], k, 3).mean((1, 3)).astype(np.float32)
+        picture.draw(content, (size[0] * k, size[1] * k), level)
+        return picture.pixels().reshape(size[1], k, size[0], k, 3).mean((1, 3)).astype(np.float32)
     finally:
         picture.release()
+
+
+class Part(NamedTuple):
+    """Vertices [N, 3], their colour [3] or colours [N, 3], what they form, and how much nearer they are drawn."""
+
+    points: np.ndarray
+    tint: Any
+    mode: int
+    nearer: float
+
+
+def _parts(content: TreeContent, nodes: np.ndarray) -> list[Part]:
+    """What is drawn: primitives, their edges, the lamp, the boxes of some nodes, the axes."""
+    tree, positions = content.tree, content.positions
+    bound_low, bound_high = positions.min((0, 1)).astype(float), positions.max((0, 1)).astype(float)
+    low, high = (tree[name][nodes].astype(float) for name in ("low", "high"))
+    boxes = box_lines(np.maximum(low, bound_low), np.minimum(high, bound_high)).reshape(-1, 3)
+    length = float(np.linalg.norm(bound_high - bound_low))
+    axes = np.array([[[0, 0, 0], axis] for axis in 0.5 * length * np.eye(3)]).reshape(-1, 3)
+    bulb = np.zeros((0, 3)) if content.lamp is None else _octahedron(np.array(content.lamp, float), 0.02 * length)
+    keep = np.ones(len(positions), bool) if content.hidden is None else ~np.asarray(content.hidden)
+    triangles = positions[keep]
+    edges = triangles[:, [0, 1, 1, 2, 2, 0]]
+    return [
+        Part(triangles.reshape(-1, 3), np.repeat(np.asarray(content.colors)[keep], 3, 0), moderngl.TRIANGLES, 0.0),
+        Part(edges.reshape(-1, 3), BLACK, moderngl.LINES, 2e-5),
+        Part(bulb, YELLOW, moderngl.TRIANGLES, 0.0),
+        Part(boxes, GREEN, moderngl.LINES, 1e-5),
+        Part(axes, GREY, moderngl.LINES, 1e-5),
+    ]
 
 
 def _octahedron(center: np.ndarray, radius: float) -> np.ndarray:

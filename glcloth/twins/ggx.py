@@ -19,13 +19,6 @@ def D_GGX(h, roughness):
     return np.where(np.asarray(h)[..., 2] > 0, D, 0.0)
 
 
-def G_cavity(cos_nh, cos_nl, cos_nv, cos_lh, cos_vh):
-    """min(1, 2 cos_nh cos_nv / cos_vh, 2 cos_nh cos_nl / cos_lh).   [Mat 3, errata E5, E10]"""
-    a = 2 * cos_nh * cos_nv / np.maximum(cos_vh, 1e-12)
-    b = 2 * cos_nh * cos_nl / np.maximum(cos_lh, 1e-12)
-    return np.minimum(1.0, np.minimum(a, b))
-
-
 def G_1_smith(omega, roughness):
     """2 / (1 + sqrt(1 + r^2 tan^2)) of the angle between omega [..., 3] and N.   [Walter 2007, Eq. 34]"""
     omega = np.asarray(omega, float)

@@ -18,6 +18,13 @@ def facing_normal(N, omega_o, least):
     return np.where(cos_no >= least, N, np.where(length < 1e-6, omega_o, bent))
 
 
+def mirrored_direction(d, N, N_g):
+    """d [..., 3] mirrored at N, or at N_g where that would go into the surface.   [own]"""
+    d, N, N_g = (np.asarray(v, float) for v in (d, N, N_g))
+    smooth, geometric = (d - 2 * np.sum(d * n, -1, keepdims=True) * n for n in (N, N_g))
+    return np.where(np.sum(smooth * N_g, -1, keepdims=True) > 0, smooth, geometric)
+
+
 def orthogonal_part(v, N):
     """The unit part of v perpendicular to N; any perpendicular where v is along N.   [own]"""
     v, N = np.asarray(v, float), np.asarray(N, float)

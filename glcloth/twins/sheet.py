@@ -33,6 +33,12 @@ def f_yarn(omega_i, omega_o, roughness, eta_1, eta_2, diffuse, roughness_p):
     return np.where((np.asarray(omega_i)[..., 2] > 0) & (np.asarray(omega_o)[..., 2] < 0), f, 0.0)
 
 
+def f_through(omega_i, omega_o, k_t, rho, roughness, eta_1, eta_2, diffuse, roughness_p):
+    """The yarns' term without its absorption: covered k_t f_yarn cos_nl, 1/sr.   [Mat 1]"""
+    f = f_yarn(omega_i, omega_o, roughness, eta_1, eta_2, diffuse, roughness_p)
+    return covered(omega_i, omega_o, rho) * k_t * f * np.maximum(np.asarray(omega_i, float)[..., 2], 0)
+
+
 def T_sheet(omega, k_a, k, tau, rho):
     """The part of a ray that goes on straight, [..., 3].   [Mat 1]"""
     open_ = T_open(omega, rho)

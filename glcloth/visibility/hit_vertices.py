@@ -57,7 +57,7 @@ class HitVertices:
         """Of all surfaces."""
         return self.first_vertex[-1]
 
-    def prepare(self, surfaces: Sequence[HitSurface], triangles: Triangles) -> None:
+    def prepare(self, surfaces: Sequence[HitSurface], triangles: Triangles | None) -> None:
         """Upload the corners and vertices where they changed.
 
         Parameters
@@ -66,6 +66,7 @@ class HitVertices:
             others come as lifts
         triangles : what the structure was built of
         """
+        assert triangles is not None, "nothing was built"
         meshes = tuple((surface.drawn, surface.original) for surface in surfaces)
         self._uploaded.get(lambda: self._upload(surfaces, triangles), meshes, triangles)
         self._ground = {"ground_first": -1}
@@ -82,7 +83,7 @@ class HitVertices:
             if surface.drawn is not surface.original:
                 rows[:, :2, 3] = lift_off_facets(surface.drawn, surface.original)
             if surface.offsets is None:
-                offset = OFFSET * mean_edge(surface.original)
+                offset = OFFSET * surface.original.mean_edge
                 self.offset = self.offset if number else offset
                 rows[:, :2, 3] += offset - self.offset
             else:
@@ -118,9 +119,3 @@ def _rows(mesh: Mesh) -> np.ndarray:
     rows = np.zeros((len(mesh.positions), 3, 4), "f4")
     rows[:, 0, :3], rows[:, 1, :3], rows[:, 2] = mesh.positions, mesh.normals, mesh.tangents
     return rows
-
-
-def mean_edge(mesh: Mesh) -> float:
-    """Metres, over all triangles."""
-    corners = mesh.positions[mesh.triangles].astype(float)
-    return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())

@@ -64,7 +64,7 @@ class PixelVisibility:
         self.bounce = True
         self.follow = False
         self.occluders: Occluders | None = None
-        self.structure: Structure
+        self._structure: Structure | None = None
         self.lights: Lights
         self._meshes: tuple[Mesh, ...] = ()  # whose vertices were taken, and the others that hide light
 
@@ -78,24 +78,30 @@ class PixelVisibility:
         mode: ShadowMode,
         mesh: Mesh,
         original: Mesh,
-        structure: Structure,
+        structure: Structure | None,
         lights: Lights,
         bounce: bool = True,
         occluders: Occluders | None = None,
     ) -> None:
         """Choose what hides what. `mesh` is the one that is drawn, `original` what it was subdivided from, `structure`
-        what hides light: the mesh and its `occluders`."""
-        self.mode, self.structure, self.lights, self.bounce = mode, structure, lights, bounce
+        what hides light: the mesh and its `occluders`; None where the mode is "off"."""
+        self.mode, self._structure, self.lights, self.bounce = mode, structure, lights, bounce
         self.occluders = occluders
         self.vertices.hit_vertices = None if occluders is None else occluders.hit_vertices
         meshes = mesh, *self.others
-        if mode == "full" and not same(self._meshes, meshes):
+        if mode == "full" and structure is not None and not same(self._meshes, meshes):
             if self.follow and is_next_pose(self._meshes, meshes):
                 self.vertices.move(mesh, structure)
             else:  # a cut fills at once
                 classes = MOVING_CLASSES if self.follow else None
                 self.vertices.start(mesh, structure, original, classes)
             self._meshes = meshes
+
+    @property
+    def structure(self) -> Structure:
+        """What hides light."""
+        assert self._structure is not None
+        return self._structure
 
     @property
     def others(self) -> tuple[Mesh, ...]:

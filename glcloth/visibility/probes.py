@@ -57,7 +57,7 @@ def subdivided(mesh: Mesh, longest: float = LONGEST_EDGE, most: int = MOST_VERTI
     if np.linalg.norm(at - np.roll(at, 1, 1), axis=2).max(initial=0.0) <= limit:
         return mesh
     while True:
-        corners, edges = mesh.triangles, _edges(mesh.triangles)
+        corners, edges = mesh.triangles, mesh.edges()
         a, b = edges.T
         length = np.linalg.norm(mesh.positions[a] - mesh.positions[b], axis=1)
         if length.max(initial=0.0) <= limit or len(mesh.positions) + len(edges) > most:
@@ -96,7 +96,7 @@ def place_probes(
     classes : 1, 2, 4 or 8; None: by the number of probes
     """
     count = len(mesh.positions)
-    edges = _edges(mesh.triangles)
+    edges = mesh.edges()
     a, b = edges.T
     length = np.linalg.norm(mesh.positions[a] - mesh.positions[b], axis=1).astype(float)
     total = np.bincount(a, length, count) + np.bincount(b, length, count)
@@ -105,19 +105,7 @@ def place_probes(
     if original is not None and original is not mesh:
         offset += lift_off_facets(mesh, original)
     graph = sparse.coo_array((np.ones(len(edges)), (a, b)), shape=(count, count)).tocsr()
-    graph = _neighbours(graph + graph.T)
-    chosen = np.arange(count)
-    spread = sparse.eye_array(count, format="csr")
-    while len(chosen) > most:
-        kept = _apart(graph)
-        inner = _interpolation(graph, kept, mesh.positions[chosen].astype(float))
-        spread = spread @ inner
-        # Each node to the kept one that it takes most of: these heaps are neighbours where their nodes are.
-        heap = sparse.csr_array(
-            (np.ones(inner.shape[0]), (np.arange(inner.shape[0]), inner.argmax(1).ravel())), inner.shape
-        )
-        graph = _neighbours(heap.T @ graph @ heap)
-        chosen = chosen[kept]
+    chosen, spread, graph = _thinned(_neighbours(graph + graph.T), mesh.positions.astype(float), most)
     number = len(chosen)
     if classes is None:
         classes = 1 if number <= WHOLE else 2 if number <= HALF else 4 if number <= QUARTER else 8
@@ -143,6 +131,22 @@ def place_probes(
         spread,
         chosen,
     )
+
+
+def _thinned(graph, points: np.ndarray, most: int) -> tuple:
+    """At most so many nodes of a graph: their numbers, how much of them every node takes [V, P], and their own graph."""
+    chosen = np.arange(len(points))
+    spread = sparse.eye_array(len(points), format="csr")
+    while len(chosen) > most:
+        kept = _apart(graph)
+        inner = _interpolation(graph, kept, points[chosen])
+        spread = spread @ inner
+        # Each node to the kept one that it takes most of: these heaps are neighbours where their nodes are.
+        rows = np.arange(inner.shape[0])
+        heap = sparse.csr_array((np.ones(len(rows)), (rows, inner.argmax(1).ravel())), inner.shape)
+        graph = _neighbours(heap.T @ graph @ heap)
+        chosen = chosen[kept]
+    return chosen, spread, graph
 
 
 def _neighbours(graph):
@@ -184,12 +188,6 @@ def _shared_evenly(matrix, kind: np.ndarray, classes: int):
     group = matrix.row * classes + kind[matrix.col]
     sums = np.bincount(group, matrix.data, matrix.shape[0] * classes)
     return sparse.coo_array((matrix.data / sums[group], (matrix.row, matrix.col)), matrix.shape).tocsr()
-
-
-def _edges(triangles: np.ndarray) -> np.ndarray:
-    """Each edge once, [E, 2], the lower vertex first."""
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1)
-    return np.unique(edges, axis=0)
 
 
 def lift_off_facets(mesh: Mesh, original: Mesh) -> np.ndarray:

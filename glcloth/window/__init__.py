@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from ..curtain.show import CurtainScene
 from ..scene import Scene
 
 
-def view(scene: Scene | CurtainScene, watch: bool = False, source: str | None = None) -> None:
+def view(scene: Scene, watch: bool = False, source: str | None = None) -> None:
     """Open the window on a scene and stay until it is closed.
 
     Parameters

@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 
 import moderngl
 import numpy as np
 
-from ..curtain.show import CurtainScene, CurtainShow
-from ..gpu import shader
+from ..curtain.show import CurtainShow, camera_of
+from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
+from ..gpu.programs import programs
+from ..gpu.screen import draw_screen
 from ..light.environment import Environment
-from .refine import HALF_FROM, LADDER, Side
-from .slices import BUDGET, Slices
+from ..scene import Scene
+from .clock import now, timed
+from .pictures import Target, Targets
+from .refine import HALF_FROM, LADDER, NOT_LIGHT
+from .slices import BUDGET, Slices, refining
 
 SLICE = 0.018  # seconds of tracing between two looks at the input
 PLAYING = 0.07  # seconds of tracing for a picture while the curtain moves
@@ -21,6 +27,8 @@ MOVING = BUDGET  # and while it hangs still and the eye moves
 REVEAL = 0.4  # seconds between two looks at a picture that grows
 FIRST_PACE = 2e-6  # seconds a pixel, before the first picture tells
 FIXED = 0.006  # seconds of a tile of no pixels: every generation of rays has its passes
+COPY = "passes/window/traced.frag"
+_LOOK = {name: getattr(Scene(), name) for name in NOT_LIGHT}
 
 
 @dataclass
@@ -34,34 +42,27 @@ class Timings:
 
 
 class Player(Slices):
-    """One curtain on the window's context. `show` says which, `play`, `pause`, `step`, `restart` move it, `work` draws.
-
-    `sides` holds what is to be seen, as the Refiner's does. `fresh` is called with the CurtainShow whenever its
-    structure holds another frame.
-    """
+    """One curtain on the window's context. `show` says which, `play`, `pause`, `step`, `restart` move it, `work` draws."""
 
     caution = 0.5
 
-    def __init__(self, ctx: moderngl.Context, fresh: Callable[[CurtainShow], None] | None = None):
+    def __init__(self, ctx: moderngl.Context):
         super().__init__()
         self.ctx = ctx
-        self.sides: list[Side] = []
         self.curtain: CurtainShow | None = None
         self.timings = Timings()
         self.playing = False
         self.hung = 0.0  # share of the hanging that is done
         self.touched = False  # wind or cloth changed on the way: no other run comes to this shape
-        self._fresh = fresh
-        self._wanted = 0  # the frame to simulate up to
-        self._other: CurtainScene | None = None  # side B, and whether it is drawn as layers
+        self.wanted = 0  # the frame that it is on its way to
+        self._other: Scene | None = None  # side B, and whether it is drawn as layers
         self._layered = False
+        self._shown: tuple | None = None  # what `show` was given last, but for how it is shown
         self._hanging: Iterator[float] | None = None
         self._moving: Iterator[None] | None = None
+        self._simulated = 0.0  # seconds of the frame under way
         self._pace: dict[tuple, float] = {}
-        self._targets: dict[str, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
-        self._copy = shader.program(ctx, "passes/picture/screen.vert", "passes/window/traced.frag")
-        self._array = ctx.vertex_array(self._copy, [])
-        self._told: tuple | None = None
+        self._targets = Targets(ctx)
         self._last_frame = 0.0
 
     # -- what is to be shown -----------------------------------------------------------------------------------------
@@ -72,74 +73,88 @@ class Player(Slices):
         return self.curtain.frame if self.curtain else 0
 
     @property
-    def wanted(self) -> int:
-        """The frame that it is on its way to."""
-        return self._wanted
+    def mesh(self) -> Mesh | None:
+        """The curtain as it hangs; None before the first."""
+        return self.curtain.simulation.mesh() if self.curtain else None
 
-    def show(
-        self, scene: CurtainScene, environment: Environment, other: CurtainScene | None = None, layered: bool = False
-    ) -> None:
+    def camera(self, scene: Scene) -> Camera:
+        """The camera that a scene says."""
+        return camera_of(scene)
+
+    @property
+    def built(self) -> tuple | None:
+        """The curtain, its frame and the structure that holds it; None while it moves or that is not built."""
+        curtain = self.curtain
+        if curtain is None or self._hanging is not None or self._moving is not None:
+            return None
+        name = curtain.scene.accelerator
+        return (curtain, curtain.frame, name) if curtain.is_built(name) else None
+
+    def show(self, scene: Scene, environment: Environment, other: Scene | None = None, layered: bool = False) -> bool:
         """Draw this scene from now on, and beside it the same curtain as `other` has its fabric, structure and rays;
-        `layered`: as blended layers without shadows. Raises InputError when its files cannot be read."""
+        `layered`: as blended layers without shadows. False where only how it is shown differs from what is drawn
+        already. Raises InputError when its files cannot be read."""
+        shown = [side and side.model_copy(update=_LOOK) for side in (scene, other)], layered
+        if shown == self._shown and self.curtain is not None and self.curtain.environment is environment:
+            return False
         before = None if self.curtain is None else self.curtain.simulation.parameters
         if before is None or not self.curtain.change(scene, environment):
             self._hang_anew(scene, environment)
         elif self.curtain.simulation.parameters != before:
             self.touched |= self.frame > 0 or self._moving is not None
-        self._other, self._layered = other, layered
-        self._begin()
+        self._other, self._layered, self._shown = other, layered, shown
+        self._draw()
+        return True
 
-    def _hang_anew(self, scene: CurtainScene, environment: Environment) -> None:
+    def forget(self) -> None:
+        """Draw anew at the next `show`, whatever that is given."""
+        self._shown = None
+
+    def _hang_anew(self, scene: Scene, environment: Environment) -> None:
         new = CurtainShow(self.ctx, scene, environment=environment, settle=False)
         self._plan = None
         if self.curtain is not None:
             self.curtain.release()
-            self._wanted = 0
-        self.curtain, self._moving, self._told, self.touched = new, None, None, False
+        self.curtain, self._moving, self.touched, self.wanted = new, None, False, 0
         self._hanging = new.simulation.settling()
 
-    def _begin(self) -> None:
-        """Draw anew. A frame that is half simulated is gone on with, and a small picture is finished first: else the
-        edits of a drag, one after the other, would let none be seen."""
-        if self.curtain is None:
-            return
-        count = 1 if self._other is None else 2
-        self.sides = [*self.sides, Side(), Side()][:count]
-        for side in self.sides:
-            side.share = 0.0
-        super()._begin()
+    def _draw(self) -> None:
+        """Draw anew. A frame that is half simulated is gone on with."""
+        if self.curtain is not None:
+            self._begin(1 if self._other is None else 2)
 
     def play(self) -> None:
         """Let the wind blow."""
-        if not self.playing:
+        if not self.playing and self.curtain is not None:
             self.playing = True
             self._last_frame = 0.0
-            self._begin()
+            self._draw()
 
     def pause(self) -> None:
         """Stop after the frame under way, and refine its picture."""
         if self.playing:
             self.playing = False
-            self._begin()
+            self._draw()
 
     def step(self, frames: int = 1) -> None:
         """Go on by so many frames."""
-        self._wanted += frames
-        self._begin()
+        if self.curtain is not None:
+            self.wanted += frames
+            self._draw()
 
     def go_to(self, frame: int) -> None:
         """Go to a frame from the beginning on, so that it hangs as in a picture of that frame."""
         if self.frame > 0 or self._moving is not None:
             self.restart()
         self.playing = False
-        self._wanted = frame
-        self._begin()
+        self.wanted = frame
+        self._draw()
 
     def restart(self) -> None:
         """Hang the curtain anew: frame 0."""
         if self.curtain is not None:
             self._hang_anew(self.curtain.scene, self.curtain.environment)
-            self._begin()
+            self._draw()
 
     # -- drawing -----------------------------------------------------------------------------------------------------
 
@@ -157,45 +172,47 @@ class Player(Slices):
         while True:
             self._again = False
             yield from self._hang()
-            if self.playing and self._wanted <= self.curtain.frame:
-                self._wanted = self.curtain.frame + 1
-            while self.curtain.frame < self._wanted:
+            if self.playing and self.wanted <= self.curtain.frame:
+                self.wanted = self.curtain.frame + 1
+            while self.curtain.frame < self.wanted:
                 yield from self._simulate()
             scenes = self._scenes()
             for number, scene in enumerate(scenes):
                 if not self._is_layered(number):
                     yield from self._build(scene)
-            self._tell()
             scale = self._scale(scenes, PLAYING if self.playing else MOVING)
             playing = self.playing
-            for number, scene in enumerate(scenes):
-                for _ in self._picture(number, scene, "preview", scale, 1):
-                    yield False
-            now = time.perf_counter()
-            if playing and self._last_frame:
-                last, new = self.timings.frame, 1e3 * (now - self._last_frame)
-                self.timings.frame = new if not last else last + 0.2 * (new - last)
-            self._last_frame = now
+            yield from self._quick(scenes, "preview", scale)
+            last, self._last_frame = self._last_frame, now()
+            if playing and last:
+                new = 1e3 * (self._last_frame - last)
+                self.timings.frame += (0.2 if self.timings.frame else 1.0) * (new - self.timings.frame)
             yield True
             if not self.playing and not self._again:
                 break
         self._refining = True
-        spp = self.curtain.scene.spp
-        if scale > 2.0 and self._guess(scenes, 1.0) * spp > HALF_FROM:
-            for number, scene in enumerate(scenes):
-                for _ in self._picture(number, scene, "half", 2.0, 1):
-                    yield False
+        if scale > 2.0 and self._guess(scenes, 1.0) * self.curtain.scene.spp > HALF_FROM:
+            yield from self._quick(scenes, "half", 2.0)
             yield True
+        yield from self._full(scenes, self.curtain.scene.spp)
+
+    def _quick(self, scenes: list[Scene], stage: str, scale: float) -> Iterator[bool]:
+        """Pictures of one sample."""
         for number, scene in enumerate(scenes):
-            seen = time.perf_counter()
+            for _ in self._picture(number, scene, stage, scale, 1):
+                yield False
+
+    def _full(self, scenes: list[Scene], spp: int) -> Iterator[bool]:
+        """The complete pictures, seen as they grow."""
+        for number, scene in enumerate(scenes):
+            seen = now()
             for done in self._picture(number, scene, "full", 1.0, spp):
                 self.sides[number].share = min(done, 0.999)
-                if time.perf_counter() - seen > REVEAL and done < 1.0:
+                reveal = now() - seen > REVEAL and done < 1.0
+                if reveal:
                     self._take(number, "partial", self._size(1.0), 1.0, spp)
-                    seen = time.perf_counter()
-                    yield True
-                else:
-                    yield False
+                    seen = now()
+                yield reveal
             self.sides[number].share = 1.0
             yield True
 
@@ -213,86 +230,67 @@ class Player(Slices):
     def _simulate(self) -> Iterator[bool]:
         """One frame further, a few substeps at a time."""
         if self._moving is None:
-            self._moving = self.curtain.moving()
-            self._simulated = 0.0
-        begin = time.perf_counter()
-        for _ in self._moving:
-            self.ctx.finish()
-            self._simulated += time.perf_counter() - begin
+            self._moving, self._simulated = self.curtain.moving(), 0.0
+        for _, seconds in timed(self._finished(self._moving)):
+            self._simulated += seconds
             yield False
-            begin = time.perf_counter()
         self._moving = None
         self.timings.simulate = 1e3 * self._simulated
 
-    def _scenes(self) -> list[CurtainScene]:
+    def _finished(self, steps: Iterable[None]) -> Iterator[None]:
+        """Each step once the GPU is done with it."""
+        for _ in steps:
+            self.ctx.finish()
+            yield
+
+    def _scenes(self) -> list[Scene]:
         """What the sides show."""
         return [self.curtain.scene, *([] if self._other is None else [self._other])]
 
     def _is_layered(self, number: int) -> bool:
         return number == 1 and self._layered
 
-    def _build(self, scene: CurtainScene) -> Iterator[bool]:
+    def _build(self, scene: Scene) -> Iterator[bool]:
         if self.curtain.is_built(scene.accelerator):
             return
-        spent, begin = 0.0, time.perf_counter()
-        for _ in self.curtain.building(scene.accelerator):
-            self.ctx.finish()
-            spent += time.perf_counter() - begin
+        spent = 0.0
+        # With a step more, for what it does after its last yield.
+        for _, seconds in timed(self._finished(chain(self.curtain.building(scene.accelerator), [None]))):
+            spent += seconds
             yield False
-            begin = time.perf_counter()
-        self.ctx.finish()
-        self.timings.build = 1e3 * (spent + time.perf_counter() - begin)
-        yield False
-
-    def _tell(self) -> None:
-        """Say once that the structure holds another frame."""
-        state = self.curtain, self.curtain.frame, self.curtain.scene.accelerator
-        if self._fresh is not None and state != self._told:
-            self._told = state
-            self._fresh(self.curtain)
-
-    def tell_again(self) -> None:
-        """Call `fresh` for the present frame once more."""
-        self._told = None
-        curtain = self.curtain
-        if curtain is None or self._hanging is not None or self._moving is not None:
-            return
-        if curtain.is_built(curtain.scene.accelerator):
-            self._tell()
+        self.timings.build = 1e3 * spent
 
     # -- pictures ----------------------------------------------------------------------------------------------------
 
-    def _picture(self, number: int, scene: CurtainScene, stage: str, scale: float, spp: int) -> Iterator[float]:
+    def _picture(self, number: int, scene: Scene, stage: str, scale: float, spp: int) -> Iterator[float]:
         """Draw a side at a size and put it to be seen; yields the share that is done."""
         if self._is_layered(number):
             size = self._size(scale)
             picture = np.ones((size[1], size[0], 4), np.float32)
             picture[..., :3] = self.curtain.layers(size, scene)[::-1]
-            self._put(number, stage, size, scale, lambda texture: texture.write(picture.tobytes()))
+            self._put(number, stage, size, scale, lambda target: target.texture.write(picture.tobytes()))
             yield 1.0
         else:
             yield from self._trace(number, scene, stage, scale, spp)
 
-    def _trace(self, number: int, scene: CurtainScene, stage: str, scale: float, spp: int) -> Iterator[float]:
+    def _trace(self, number: int, scene: Scene, stage: str, scale: float, spp: int) -> Iterator[float]:
         """Trace the frame at a size, tile by tile, and put it to be seen."""
         size = self._size(scale)
         key = _key(scene)
-        drawn, last = 0.0, time.perf_counter()
+        drawn = 0.0
 
         def pixels() -> int:
             return max(64, int(SLICE / self._pace.get(key, FIRST_PACE)))
 
-        for done in self.curtain.steps(size, spp, pixels, scene if number else None):
-            now = time.perf_counter()
+        for done, seconds in timed(self.curtain.steps(size, spp, pixels, scene if number else None)):
             # What every tile costs, however small, is no reason for smaller ones.
-            spent = max(now - last - FIXED, 0.25 * (now - last))
+            spent = max(seconds - FIXED, 0.25 * seconds)
             pace = spent / max((done - drawn) * size[0] * size[1] * spp, 1.0)
             # Tiles of sky alone are quick: the slow ones count more.
             before = self._pace.get(key, pace)
             self._pace[key] = before + (0.5 if pace > before else 0.1) * (pace - before)
             drawn = done
             yield done
-            last = time.perf_counter()
         if number == 0:
             self.timings.trace = self.curtain.tracer.statistics.total_ms
         self._take(number, stage, size, scale, spp)
@@ -301,90 +299,73 @@ class Player(Slices):
         width, height = self.curtain.scene.size
         return max(1, round(width / scale)), max(1, round(height / scale))
 
-    def _guess(self, scenes: list[CurtainScene], scale: float) -> float:
+    def _guess(self, scenes: list[Scene], scale: float) -> float:
         """Seconds that pictures of one sample take."""
         width, height = self._size(scale)
         return sum(FIXED + 0.7 * width * height * self._pace.get(_key(scene), FIRST_PACE) for scene in scenes)
 
-    def _scale(self, scenes: list[CurtainScene], seconds: float) -> float:
+    def _scale(self, scenes: list[Scene], seconds: float) -> float:
         """The largest pictures that are traced in so many seconds: how much smaller they are."""
         return next((scale for scale in LADDER if self._guess(scenes, scale) <= seconds), LADDER[-1])
 
     def _take(self, number: int, stage: str, size: tuple[int, int], scale: float, spp: int) -> None:
         """Copy the tracer's picture into a texture of the side."""
 
-        def copy(texture: moderngl.Texture) -> None:
-            self.curtain.tracer.picture.bind_to_storage_buffer(0)
-            (self.sides[number].texture or texture).use(1)
-            shader.set_uniforms(self._copy, size=size, samples=float(spp))
-            self.ctx.viewport = (0, 0, *size)
-            self.ctx.enable_only(moderngl.NOTHING)
-            self._array.render(moderngl.TRIANGLES, vertices=3)
+        def copy(target: Target) -> None:
+            draw_screen(
+                programs(self.ctx).screen(COPY),
+                target.framebuffer,
+                Picture=self.curtain.tracer.picture,
+                shown=self.sides[number].texture or target.texture,
+                size=size,
+                samples=float(spp),
+            )
             # Mesa 22's llvmpipe lets the next picture into the buffer while fragments still read it.
             self.ctx.finish()
 
         self._put(number, stage, size, scale, copy)
 
     def _put(
-        self, number: int, stage: str, size: tuple[int, int], scale: float, fill: Callable[[moderngl.Texture], None]
+        self, number: int, stage: str, size: tuple[int, int], scale: float, fill: Callable[[Target], None]
     ) -> None:
-        """Show on a side what `fill` puts into a texture, or draws into its framebuffer."""
-        if number >= len(self.sides):
-            return  # it is compared no longer
-        side = self.sides[number]
-        texture, framebuffer = self._target(number, stage, size)
-        framebuffer.use()
-        fill(texture)
-        side.texture, side.scale = texture, scale
-        side.version += 1
+        """Show on a side what `fill` puts into a target."""
+        if number < len(self.sides):  # else it is compared no longer
+            side = self.sides[number]
+            target = self._targets.get(f"{stage} {number}", size, side.texture)
+            fill(target)
+            side.show(target.texture, scale)
 
-    def _target(self, number: int, stage: str, size: tuple[int, int]) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
-        # What grows is filled up with what is shown, so it must not overwrite that: two take turns.
-        current = self.sides[number].texture
-        stage = f"{stage} {number}"
-        if stage.startswith("partial") or (current is not None and self._targets.get(stage, (None,))[0] is current):
-            turns = (stage, f"{stage} again")
-            stage = next(name for name in turns if self._targets.get(name, (None,))[0] is not current)
-        found = self._targets.get(stage)
-        if found is None or found[0].size != size:
-            if found is not None:
-                self._free(found)
-            texture = self.ctx.texture(size, 4, dtype="f4")
-            texture.filter = moderngl.LINEAR, moderngl.LINEAR
-            texture.repeat_x = texture.repeat_y = False
-            self._targets[stage] = texture, self.ctx.framebuffer([texture])
-        return self._targets[stage]
+    def status(self, scene: Scene) -> list[str]:
+        """What it does, in words."""
+        if self.hung < 1.0:
+            return [f"hanging the curtain: {10 * int(10 * self.hung)} %"]
+        side, times = self.sides[0], self.timings
+        if self.playing:
+            rate = f"{1e3 / times.frame:.1f} frames/s" if times.frame else "starting"
+            state = f"playing, {rate}, shown at 1/{side.scale:g}"
+        elif self.frame < self.wanted:
+            state = f"on its way to frame {self.wanted}"
+        else:
+            state = "done" if side.share >= 1.0 else refining(side)
+        cost = f"build {times.build:.0f} ms, trace {times.trace:.0f} ms; simulation {times.simulate:.0f} ms"
+        return [f"frame {self.frame}: {state}", f"{scene.accelerator}: {cost}"]
 
-    def _free(self, target: tuple[moderngl.Texture, moderngl.Framebuffer]) -> None:
-        self.ctx.detect_framebuffer(0).use()
-        target[1].release()
-        target[0].release()
-
-    def hurry(self) -> None:
-        """Draw the picture without waiting for the curtain to settle: a trial of the shaders."""
-        if self._hanging is not None:
-            next(self._hanging, None)
-            self._hanging = None
+    def try_out(self, scene: Scene, environment: Environment) -> None:
+        """Draw a scene as small as can be, without waiting for the curtain to settle. Raises ShaderError."""
+        self.show(scene.changed(size=(16, 16), spp=1), environment)
+        next(self._hanging, None)
+        self._hanging = None
         self.finish()
-
-    def finish(self) -> None:
-        """Draw until the picture is complete; pauses."""
-        self.pause()
-        while not self.idle:
-            self.work(10.0)
 
     def release(self) -> None:
         """Free the GPU's memory."""
         self._plan = None
-        for target in self._targets.values():
-            self._free(target)
+        self._targets.release()
         if self.curtain is not None:
             self.curtain.release()
-        for thing in (self._array, self._copy):
-            thing.release()
-        self._targets, self.sides, self.curtain = {}, [], None
+        self.sides, self.curtain = [], None
 
 
-def _key(scene: CurtainScene) -> tuple:
+def _key(scene: Scene) -> tuple:
     """What the seconds that a pixel takes depend on."""
     return scene.accelerator, scene.depth

@@ -2,79 +2,64 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from imgui_bundle import imgui  # isort: skip
 
 from ..curtain.hanging import LIVE
-from ..curtain.show import CurtainScene
 from ..fabric import builtin_fabrics
+from ..scene import Scene
+from .actions import Actions
 from .controls import controls, curtain_controls
 from .state import OWN
-from .widgets import CLAMP, GREY, button_if, chooser, control, tip
+from .widgets import CLAMP, GREY, Panel, buttons, chooser, control, tip
 
-if TYPE_CHECKING:
-    from .app import App
-
-RAYS = controls(CurtainScene, ("accelerator", "depth", "spp", "spread"))
+RAYS = controls(Scene, ("accelerator", "depth", "spp", "spread"))
 OTHER = [item for item in RAYS if item.name in OWN]
-LAMP = controls(CurtainScene, ("lamp_position", "lamp_intensity", "ambient"))
+LAMP = controls(Scene, ("lamp_position", "lamp_intensity", "ambient"))
 MOVING = [c for c in curtain_controls() if c.name in LIVE]
 HANGING = [c for c in curtain_controls() if c.name not in LIVE]
 
 
-class CurtainPanel:
-    """Draws the controls of the curtain that an App shows, and turns what is done in them into edits."""
+class CurtainPanel(Panel):
+    """The controls of the curtain that is shown."""
 
-    def __init__(self, app: App):
-        self.app = app
+    def __init__(self, actions: Actions):
+        super().__init__(actions)
         self._draft: dict[str, Any] = {}  # what is being dragged and hangs the curtain anew when it is let go
 
     def draw(self) -> None:
         """Everything of the curtain but its fabric and what lights it from far."""
-        app = self.app
-        session, player = app.session, app.player
-        scene = session.curtain
+        actions, session, scene = self.actions, self.session, self.session.curtain
         origin = session.chosen
         if new := chooser("fabric", origin if isinstance(origin, str) else origin.name, builtin_fabrics()):
-            app.attempt(app.choose_fabric, new)
-        playing = player is not None and player.playing
-        if imgui.button("Pause" if playing else "Play") and player is not None:
-            app.toggle_play()
+            self.attempt(actions.choose_fabric, new)
+        player = actions.player
+        there, playing = player.curtain is not None, player.playing
+        buttons(
+            ("Pause" if playing else "Play", actions.toggle_play, True),
+            ("Step", player.step, there and not playing),
+            ("Restart", player.restart, there),
+        )
         imgui.same_line()
-        if button_if("Step", player is not None and not playing):
-            player.step()
-        imgui.same_line()
-        if button_if("Restart", player is not None):
-            player.restart()
-        imgui.same_line()
-        imgui.text_colored(GREY, f"frame {app.frame}, {app.frame / scene.rate:.2f} s")
+        imgui.text_colored(GREY, f"frame {actions.frame}, {actions.frame / scene.rate:.2f} s")
         for item in RAYS:
-            changed, new = control(item, getattr(scene, item.name))
-            if changed:
-                app.attempt(session.edit_curtain, item.name, **{item.name: new})
+            self.field(item, scene, session.edit_curtain, item.name)
         self._tree()
         imgui.separator_text("wind and cloth")
         for item in MOVING:
-            if item.name == "openness":
-                continue
-            changed, new = control(item, getattr(scene.curtain, item.name))
-            if changed:
-                app.attempt(session.hang, f"curtain {item.name}", **{item.name: new})
+            self.field(item, scene.curtain, session.hang, f"curtain {item.name}")
         if imgui.tree_node("hang it anew"):
             self._hanging(scene)
             imgui.tree_pop()
         if imgui.tree_node("lamp and room"):
             for item in LAMP:
-                changed, new = control(item, getattr(scene, item.name))
-                if changed:
-                    app.attempt(session.edit_curtain, item.name, **{item.name: new})
+                self.field(item, scene, session.edit_curtain, item.name)
             imgui.text_colored(GREY, f"room: {scene.room or 'built in'}")
             imgui.tree_pop()
 
-    def _hanging(self, scene: CurtainScene) -> None:
+    def _hanging(self, scene: Scene) -> None:
         """Shape and size: applied when the slider is let go, for the curtain must settle again."""
-        session = self.app.session
         for item in HANGING:
             value = self._draft.get(item.name, getattr(scene.curtain, item.name))
             changed, new = control(item, value)
@@ -82,11 +67,11 @@ class CurtainPanel:
                 self._draft[item.name] = new
             done = item.kind == "choice" or imgui.is_item_deactivated_after_edit() or not imgui.is_any_item_active()
             if item.name in self._draft and done:
-                self.app.attempt(session.hang, None, **{item.name: self._draft.pop(item.name)})
+                self.attempt(self.session.hang, None, **{item.name: self._draft.pop(item.name)})
 
-    def other(self, scene: CurtainScene) -> None:
+    def other(self, scene: Scene) -> None:
         """What side B has of its own beside its fabric."""
-        session = self.app.session
+        session = self.session
         changed, layered = imgui.checkbox("blended layers, without shadows", session.document.layered)
         if changed:
             session.draw_other(layered)
@@ -94,19 +79,17 @@ class CurtainPanel:
             return
         imgui.push_id("b")
         for item in OTHER:
-            changed, new = control(item, getattr(scene, item.name))
-            if changed:
-                self.app.attempt(session.edit_other, f"b {item.name}", **{item.name: new})
+            self.field(item, scene, session.edit_other, f"b {item.name}")
         imgui.pop_id()
 
     def _tree(self) -> None:
         """The second window and the level that it shows."""
-        app = self.app
-        changed, _ = imgui.checkbox("tree in a window of its own", app.tree is not None)
+        actions = self.actions
+        changed, _ = imgui.checkbox("tree in a window of its own", actions.tree is not None)
         tip("the acceleration structure of the frame: boxes green, lamp yellow, axes grey; follows the curtain")
         if changed:
-            app.toggle_tree()
-        tree = app.tree
+            actions.toggle_tree()
+        tree = actions.tree
         if tree is None:
             return
         leaves = tree.level is None

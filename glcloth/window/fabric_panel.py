@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
 
 from imgui_bundle import imgui, implot  # isort: skip
 import numpy as np
 
 from ..fabric import Fabric, Transmission, Yarn
 from . import curve
+from .actions import Actions
 from .controls import CURVE, controls
-from .widgets import CLAMP, GREY, control, help_text, neat, reset, tip
-
-if TYPE_CHECKING:
-    from .app import App
+from .widgets import CLAMP, GREY, Panel, buttons, help_text, neat, reset, tip
 
 YARN = [c for c in controls(Yarn) if c.kind != "curve"]
 WEAVE = [c for c in controls(Fabric) if c.kind != "text"]
@@ -22,36 +20,24 @@ SAMPLES = controls(Yarn, ("samples",))[0]
 NO_HELP = "what a fabric that is seen before the light lets through: read by the curtain"
 
 
-class FabricPanel:
-    """Draws the controls of the fabric that an App shows, and turns what is done in them into edits."""
+class FabricPanel(Panel):
+    """The controls of the fabric that is shown."""
 
-    def __init__(self, app: App):
-        self.app = app
+    def __init__(self, actions: Actions):
+        super().__init__(actions)
         self._held_end: float | None = None
-
-    @property
-    def session(self):
-        return self.app.session
 
     def draw(self) -> None:
         """All controls of the fabric."""
         session = self.session
         fabric, origin = session.fabric, session.origin
         imgui.text_colored(GREY, fabric.name)
-        imgui.begin_disabled(fabric == origin)
         imgui.same_line()
-        if imgui.small_button("reset all"):
-            session.reset_fabric()
-        imgui.end_disabled()
+        buttons(("reset all", session.reset_fabric, fabric != origin), small=True)
         if session.in_curtain:
             self._transmission(fabric, origin)
         for item in WEAVE:
-            value = getattr(fabric, item.name)
-            changed, new = control(item, value)
-            if changed:
-                self._edit(item.name, f"weave {item.name}", new)
-            if value != getattr(origin, item.name) and reset(item.name):
-                self._edit(item.name, None, getattr(origin, item.name))
+            self.field(item, fabric, self._edit, f"weave {item.name}", origin)
         if imgui.begin_tab_bar("yarns"):
             for index, label in enumerate(("Yarn 1 (warp, along u)", "Yarn 2 (weft, along v)")):
                 if imgui.begin_tab_item_simple(label):
@@ -63,11 +49,8 @@ class FabricPanel:
         if not session.in_curtain:
             self._transmission(session.fabric, origin)
 
-    def _edit(self, name: str, gesture: str | None, value) -> None:
-        def edit():
-            self.session.edit_fabric(self.session.fabric.changed(**{name: value}), gesture)
-
-        self.app.attempt(edit)
+    def _edit(self, gesture: str | None, **changes) -> None:
+        self.session.edit_fabric(self.session.fabric.changed(**changes), gesture)
 
     # -- transmission ------------------------------------------------------------------------------------------------
 
@@ -78,7 +61,7 @@ class FabricPanel:
             changed, has = imgui.checkbox("transmission (for the curtain)", value is not None)
             tip(NO_HELP)
             if changed:
-                self._edit("transmission", None, (origin.transmission or Transmission()) if has else None)
+                self.attempt(self._edit, None, transmission=(origin.transmission or Transmission()) if has else None)
         if value is None:
             return
         base = origin.transmission or Transmission()
@@ -87,66 +70,55 @@ class FabricPanel:
         changed, new = imgui.slider_float("openness", openness, 0.0, 1.0, "%.3f", CLAMP)
         tip("share of holes at normal incidence, 1 - rho\n0 to 1; Ctrl+click to type")
         if changed:
-            self.app.attempt(edit, "transmission rho", rho=neat(1.0 - new))
+            self.attempt(edit, "transmission rho", rho=neat(1.0 - new))
         for item in TRANSMISSION:
-            value = getattr(self.session.fabric.transmission, item.name)
-            changed, new = control(item, value, 4.0 if item.name == "tau" else None)
-            if changed:
-                self.app.attempt(edit, f"transmission {item.name}", **{item.name: new})
-            if value != getattr(base, item.name) and reset(item.name):
-                self.app.attempt(edit, None, **{item.name: getattr(base, item.name)})
+            high = 4.0 if item.name == "tau" else None
+            self.field(item, self.session.fabric.transmission, edit, f"transmission {item.name}", base, high)
         imgui.pop_id()
 
     # -- yarns -------------------------------------------------------------------------------------------------------
 
     def _yarn(self, index: int, yarn: Yarn, origin: Yarn) -> None:
-        edit = self.session.edit_yarn
+        edit = partial(self.session.edit_yarn, index)
         for item in YARN:
-            value = getattr(yarn, item.name)
             # The two areas share one: a slider ends where the other yarn begins.
             other = self.session.fabric.yarn[1 - index].area
             high = neat(1.0 - other) if item.name == "area" else None
-            changed, new = control(item, value, high, self.app.scale)
-            if changed:
-                self.app.attempt(edit, index, f"yarn {index} {item.name}", **{item.name: new})
-            if value != getattr(origin, item.name) and reset(item.name):
-                self.app.attempt(edit, index, None, **{item.name: getattr(origin, item.name)})
+            self.field(item, yarn, edit, f"yarn {index} {item.name}", origin, high)
         self._curve(index, yarn, origin)
 
     def _curve(self, index: int, yarn: Yarn, origin: Yarn) -> None:
         """The tangent curve as a plot whose points can be dragged."""
-        app, edit = self.app, self.session.edit_yarn
+        attempt, edit = self.attempt, self.session.edit_yarn
         free = yarn.tangents_deg is not None
         imgui.text("tangents" if free else "tangent curve")
         if _curve_of(yarn) != _curve_of(origin) and reset("curve"):
-            app.attempt(edit, index, None, **_curve_of(origin))
+            attempt(edit, index, None, **_curve_of(origin))
             return
         self._plot(index, yarn, free)
-        if imgui.small_button("add a point"):
-            app.attempt(edit, index, None, **curve.add(yarn))
-        imgui.same_line()
-        if imgui.small_button("remove a point") and (changes := curve.remove(yarn)):
-            app.attempt(edit, index, None, **changes)
-        if free:
+        row = [("add a point", curve.add), ("remove a point", curve.remove), ("make it a curve", curve.to_curve)]
+        for label, change in row if free else row[:2]:
+            if imgui.small_button(label):
+                attempt(edit, index, None, **change(yarn))
             imgui.same_line()
-            if imgui.small_button("make it a curve"):
-                app.attempt(edit, index, None, **curve.to_curve(yarn))
+        imgui.new_line()
+        if free:
             return
         changed, new = imgui.slider_int("samples", yarn.samples, int(SAMPLES.low), int(SAMPLES.high), "%d", CLAMP)
         help_text(SAMPLES)
         if changed:
-            app.attempt(edit, index, f"yarn {index} samples", samples=new)
+            attempt(edit, index, f"yarn {index} samples", samples=new)
         for i, length in enumerate(yarn.curve_lengths):
             changed, new = imgui.input_float(f"length {i + 1}", length, 0.1, 1.0, "%.2f")
             if changed:
-                app.attempt(edit, index, None, **curve.set_length(yarn, i, neat(new)))
+                attempt(edit, index, None, **curve.set_length(yarn, i, neat(new)))
 
     def _plot(self, index: int, yarn: Yarn, free: bool) -> None:
         place, angles = curve.points(yarn)
         at, tilts = curve.samples(yarn)
         end = max(float(place[-1]), 1e-3)
         flags = implot.Flags_
-        size = (imgui.get_content_region_avail().x, 150 * self.app.scale)
+        size = (imgui.get_content_region_avail().x, 150 * self.actions.layout.scale)
         plain = flags.no_legend | flags.no_mouse_text | flags.no_menus | flags.no_box_select
         if not implot.begin_plot("##curve", size, plain):
             return
@@ -160,9 +132,11 @@ class FabricPanel:
             implot.plot_line("curve", np.ascontiguousarray(place), np.ascontiguousarray(angles))
         implot.plot_scatter("samples", np.ascontiguousarray(at), np.ascontiguousarray(tilts))
         for i, (x, y) in enumerate(zip(place, angles, strict=True)):
-            moved, x, y, *_ = implot.drag_point(i, float(x), float(y), (1.0, 0.75, 0.2, 1.0), 6.0 * self.app.scale)
+            moved, x, y, *_ = implot.drag_point(
+                i, float(x), float(y), (1.0, 0.75, 0.2, 1.0), 6.0 * self.actions.layout.scale
+            )
             if moved:
-                self.app.attempt(self.session.edit_yarn, index, f"yarn {index} curve", **curve.move(yarn, i, x, y))
+                self.attempt(self.session.edit_yarn, index, f"yarn {index} curve", **curve.move(yarn, i, x, y))
         implot.end_plot()
 
 

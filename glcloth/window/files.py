@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-import glfw
-import numpy as np
-
-from .. import __version__
 from ..color import srgb_decode
-from ..curtain.show import CurtainScene, load_curtain_scene
 from ..errors import InputError
 from ..fabric import save_fabric
-from ..geometry.mesh import load_solid
-from ..image import check_output, read_settings, write_image
-from ..picture.renderer import METHODS
-from ..scene import Scene, load_scene, save_scene
+from ..geometry.mesh_files import load_solid
+from ..image import check_output, write_image
+from ..scene import Scene, header, load_scene, save_scene
 from . import sharing
+from .actions import Actions
+from .clock import Clock
 from .dialogs import Dialogs
 from .watch import SHADERS, Watcher
-
-if TYPE_CHECKING:
-    from .app import App
 
 OBJECTS = ["Meshes", "*.obj *.ply *.glb *.gltf"]
 OPENABLE = [
@@ -32,13 +25,18 @@ OPENABLE = [
 
 
 class Files:
-    """What an App reads and writes. Nothing here raises InputError: it becomes a message, and all stays as it was."""
+    """What the window reads and writes. Nothing raises InputError: it becomes a message, and all stays as it was.
 
-    def __init__(self, app: App, source: str | None = None, watch: bool = False):
-        self.app = app
+    `names` are those that scene, fabric and picture are saved to; `asks_path` asks the panels for a path to open.
+    """
+
+    def __init__(self, actions: Actions, clock: Clock, source: str | None = None, watch: bool = False):
+        self.actions, self.session = actions, actions.session
         self.source = source  # the scene's file, if any
+        self.names = {"scene": "scene.toml", "fabric": "fabric.toml", "picture": "picture.png"}
+        self.asks_path = False
         self.dialogs = Dialogs()
-        self._watcher = Watcher() if watch else None
+        self._watcher = Watcher(clock) if watch else None
         self._later: tuple[Path, bool] | None = None  # a picture to save once it is refined
 
     @property
@@ -49,31 +47,28 @@ class Files:
 
     def open(self, path: str) -> None:
         """Open a file by what it is: scene, picture, fabric, lights, mesh or environment."""
-        self.app.attempt(self._open, str(path))
+        self.actions.attempt(self._open, str(path))
 
     def choose(self) -> None:
         """Ask for a file in the desktop's dialog and open it; where there is none the field in the panel serves."""
         if not self.dialogs.waiting and not self.dialogs.open("Open", OPENABLE, self.open):
-            self.app.tell("note", "no file dialog here (zenity or kdialog): type the path, or drop the file")
-            self.app.panels.focus_path()
+            self.actions.note("no file dialog here (zenity or kdialog): type the path, or drop the file")
+            self.actions.layout.show_panels = self.asks_path = True
 
     def _open(self, path: str) -> None:
-        kind = sharing.kind_of(path)
-        session = self.app.session
+        kind, session = sharing.kind_of(path), self.session
         if kind == "fabric":
-            self.app.choose_fabric(path)
+            self.actions.choose_fabric(path)
         elif kind == "lights":
             session.choose_mode("cloth")
             session.edit_scene(lights=path)
         elif kind == "scene":
-            curtain = load_curtain_scene(path)
-            scene = curtain or load_scene(path)
-            check_shown(scene)
+            scene = load_scene(path)
             session.open(scene)
             self.source = path
-            self.app.follow = False
-            if curtain is not None:
-                self.app.go_to(frame_of(path))
+            self.actions.layout.follow = False
+            if scene.curtain is not None:
+                self.actions.go_to(frame_of(scene))
         elif kind == "mesh":
             session.choose_mode("cloth")
             session.edit_scene(mesh=path)
@@ -83,84 +78,76 @@ class Files:
     def choose_object(self, path: str = "") -> None:
         """Set a mesh of a path or built-in name beside the cloth; without one ask for it in the desktop's dialog."""
         if path:
-            self.app.attempt(self._add_object, path)
+            self.actions.attempt(self._add_object, path)
         elif not self.dialogs.waiting and not self.dialogs.open("Object", OBJECTS, self.choose_object):
-            self.app.tell("note", "no file dialog here (zenity or kdialog): type the path above, then press Object")
+            self.actions.note("no file dialog here (zenity or kdialog): type the path above, then press Object")
 
     def _add_object(self, path: str) -> None:
         load_solid(path)  # a wrong one is not taken
-        session = self.app.session
-        session.edit_scene(objects=(*session.scene.objects, path))
+        self.session.edit_scene(objects=(*self.session.scene.objects, path))
 
     # -- saving ------------------------------------------------------------------------------------------------------
 
     def save_scene(self, path: str) -> None:
         """Write the scene that is shown to a .toml file."""
-        self.app.attempt(self._save_toml, path, lambda target: save_scene(target, self.app.session.shown))
+        self.actions.attempt(self._save_toml, path, lambda target: save_scene(target, self.session.shown))
 
     def save_fabric(self, path: str) -> None:
         """Write the fabric that is shown to a .toml file."""
-        self.app.attempt(self._save_toml, path, lambda target: save_fabric(target, self.app.session.fabric))
+        self.actions.attempt(self._save_toml, path, lambda target: save_fabric(target, self.session.fabric))
 
-    def _save_toml(self, path: str, save) -> None:
+    def _save_toml(self, path: str, save: Callable[[Path], object]) -> None:
         target = Path(path.strip()).expanduser()
         if target.suffix != ".toml":
             raise InputError(f"{target}: expected a name that ends in .toml")
         save(target)
-        self.app.tell("note", f"wrote {target}")
+        self.actions.note(f"wrote {target}")
 
     def save_picture(self, path: str, panels: bool = False) -> None:
         """Write the picture (.png, .exr) once it is refined, or the window as it is (.png)."""
-        self.app.attempt(self._save_picture, path, panels)
+        self.actions.attempt(self._save_picture, path, panels)
 
     def _save_picture(self, path: str, panels: bool) -> None:
         target = check_output(Path(path.strip()).expanduser())
         if panels and target.suffix.lower() != ".png":
             raise InputError(f"{target}: the window with its panels is saved as .png")
-        if self.app.session.in_curtain and self.app.player.playing:
-            self.app.toggle_play()
-        if self.app.complete:
+        if self.session.in_curtain and self.actions.player.playing:
+            self.actions.toggle_play()
+        if self.actions.complete:
             self._write(target, panels)
         else:
             self._later = target, panels
-            self.app.tell("note", f"{target} will be written as soon as the picture is refined")
+            self.actions.note(f"{target} will be written as soon as the picture is refined")
 
     def save_later(self) -> None:
-        """The picture is refined: write what waited for that."""
-        if self._later is not None:
+        """Write what waits for the picture to be refined, if it is."""
+        if self._later is not None and self.actions.complete:
             later, self._later = self._later, None
-            self.app.attempt(self._write, *later)
-
-    def picture(self) -> np.ndarray:
-        """What `render` returns for the scene: float32 [H, W, 3 or 4], linear, top row first; once refined."""
-        scene = self.app.session.shown
-        texture = self.app.drawer.sides[0].texture
-        data = np.frombuffer(texture.read(), "f4").reshape(scene.size[1], scene.size[0], 4)[::-1]
-        return data.copy() if not getattr(scene, "background", True) else data[..., :3].copy()
+            self.actions.attempt(self._write, *later)
 
     def _write(self, path: Path, panels: bool) -> None:
-        scene = self.app.session.shown
-        settings = {"glcloth": __version__, **sharing.stored(scene, self.app.frame)}
+        scene = self.session.shown
+        settings = header(sharing.at_frame(scene, self.actions.frame))
         if panels:
-            write_image(path, srgb_decode(self.app.screen() / 255.0), settings)
+            write_image(path, srgb_decode(self.actions.screen() / 255.0), settings)
         else:
             look = {"exposure": scene.exposure, "view_transform": scene.view_transform}
-            write_image(path, self.picture(), settings, **look)
-        touched = "curtain" in settings and self.app.player.touched
+            write_image(path, self.actions.picture(), settings, **look)
+        touched = scene.curtain is not None and self.actions.player.touched
         warning = "; wind or cloth changed while it moved: opened again it hangs otherwise" if touched else ""
-        self.app.tell("note", f"wrote {path}{warning}")
+        self.actions.note(f"wrote {path}{warning}")
 
     def copy_command(self) -> None:
         """Put a command line that renders the picture into the clipboard."""
-        self._copy(sharing.as_command(self.app.session.shown, frame=self.app.frame), "a command line")
+        self._copy(sharing.as_command(self.session.shown, frame=self.actions.frame), "a command line")
 
     def copy_python(self) -> None:
         """Put a Python script that renders the picture into the clipboard."""
-        self._copy(sharing.as_python(self.app.session.shown, frame=self.app.frame), "a Python script")
+        self._copy(sharing.as_python(self.session.shown, frame=self.actions.frame), "a Python script")
 
     def _copy(self, text: str, what: str) -> None:
-        glfw.set_clipboard_string(self.app.host.window, text)
-        self.app.tell("note", f"copied {what}")
+        self.actions.copy(text)
+        self.actions.note(f"copied {what}")
 
     # -- files that change -------------------------------------------------------------------------------------------
 
@@ -168,40 +155,28 @@ class Files:
         """Read again what has changed on disk."""
         if self._watcher is None:
             return
-        session = self.app.session
-        shown = session.shown
+        session, shown = self.session, self.session.shown
         names = [getattr(shown, name, None) for name in ("mesh", "env", "lights", "room")]
         names += [*getattr(shown, "objects", ()), self.source, session.chosen]
         for name in self._watcher.changed({n for n in names if isinstance(n, str) and Path(n).is_file()}):
             if name == SHADERS:
-                self.app.reload_shaders()
+                self.actions.reload_shaders()
             elif name == session.chosen:
-                self.app.attempt(self._reread_fabric, name)
+                self.actions.attempt(self._reread_fabric, name)
             elif name == self.source:
                 self.open(name)
-            self.app.look_again()
+            self.actions.look_again()
 
     def _reread_fabric(self, name: str) -> None:
-        self.app.session.reread(name)
-        self.app.session.choose_fabric(name)
-        self.app.forget()
+        self.session.reread(name)
+        self.session.choose_fabric(name)
+        self.actions.look_again(anew=True)
 
     def close(self) -> None:
         """Close a dialog that is still open."""
         self.dialogs.close()
 
 
-def check_shown(scene: Scene | CurtainScene) -> None:
-    """Raise InputError for a scene that the window cannot show."""
-    if isinstance(scene, Scene) and scene.method not in METHODS:
-        raise InputError(
-            f"method {scene.method}: the window shows {', '.join(METHODS)}, and the curtain: glcloth view curtain"
-        )
-
-
-def frame_of(path: str | Path | None) -> int:
-    """The frame of the moving curtain that a picture of ours shows; 0 for anything else."""
-    if path is None or Path(path).suffix.lower() not in (".png", ".exr") or not Path(path).is_file():
-        return 0
-    frame = (read_settings(path) or {}).get("frame", 0)
-    return frame if isinstance(frame, int) and 0 <= frame <= 100_000 else 0
+def frame_of(scene: Scene) -> int:
+    """The frame that a curtain's scene asks for; 0, where its wind begins, when it says none."""
+    return scene.frame if "frame" in scene.model_fields_set else 0

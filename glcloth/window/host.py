@@ -6,6 +6,7 @@ import ctypes
 import gc
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 # imgui-bundle first: it brings the glfw library that both then share.
 import imgui_bundle  # isort: skip
@@ -21,8 +22,18 @@ from ..gpu.context import REQUIRED, is_software
 FONT = 16.0  # points
 
 
+class Typed(NamedTuple):
+    """A key that went down, with its modifiers: between two slow pictures a key and its Ctrl may both come and go."""
+
+    name: str  # what the keyboard's layout prints on it
+    key: int
+    mods: int
+    repeated: bool
+
+
 class Host:
-    """One window with panels. `window` is glfw's, `ctx` its moderngl context, `scale` its own units to a point (96 dpi).
+    """One window with panels. `window` is glfw's, `ctx` its moderngl context, `scale` its own units to a point (96 dpi),
+    `typed` the keys and `dropped` the files that nobody has taken yet.
 
     Parameters
     ----------
@@ -30,21 +41,11 @@ class Host:
     panel : points that the panels take beside it
     points : the size is in points instead: as large to the eye on any screen
     heard : called at any event
-    typed : called with (name on the key, glfw key, modifiers, repeated) when a key goes down
-    dropped : called with the paths of files that are dropped on the window
 
     Raises NoOpenGLError without a display or OpenGL 4.3.
     """
 
-    def __init__(
-        self,
-        size: tuple[int, int],
-        panel: int,
-        points: bool,
-        heard: Callable[[], None],
-        typed: Callable[[str, int, int, bool], None],
-        dropped: Callable[[list[str]], None],
-    ):
+    def __init__(self, size: tuple[int, int], panel: int, points: bool, heard: Callable[[], None]):
         glfw.ERROR_REPORTING = "ignore"
         if not glfw.init():
             raise NoOpenGLError(
@@ -67,7 +68,9 @@ class Host:
         # Software rendering is late already; waiting for the screen as well would halve its rate.
         glfw.swap_interval(0 if self.software else 1)
         self.ctx.gc_mode = "context_gc"
-        self._heard, self._typed, self._dropped = heard, typed, dropped
+        self.heard = heard
+        self.typed: list[Typed] = []
+        self.dropped: list[str] = []
         self.scale = glfw.get_window_content_scale(self.window)[0]
         if self.pixels_per_point != 1.0:
             self.scale = 1.0  # the window's own unit is the point: imgui scales by itself
@@ -93,8 +96,8 @@ class Host:
             glfw.set_window_refresh_callback,
             glfw.set_framebuffer_size_callback,
         ):
-            listen(self.window, lambda *_: self._heard())
-        glfw.set_key_callback(self.window, self._key)
+            listen(self.window, lambda *_: self.heard())
+        glfw.set_key_callback(self.window, lambda _, *event: self.type(*event))
         glfw.set_drop_callback(self.window, self._drop)
 
     def _start_imgui(self) -> None:
@@ -111,15 +114,16 @@ class Host:
         imgui.backends.glfw_init_for_opengl(address, True)
         imgui.backends.opengl3_init("#version 330")
 
-    def _key(self, _, key: int, scancode: int, action: int, mods: int) -> None:
-        self._heard()
+    def type(self, key: int, scancode: int, action: int, mods: int) -> None:
+        """Remember a key that went down, in this window or another one."""
+        self.heard()
         if action != glfw.RELEASE:
             name = glfw.get_key_name(key, scancode) or ""
-            self._typed(name.lower(), key, mods, action == glfw.REPEAT)
+            self.typed.append(Typed(name.lower(), key, mods, action == glfw.REPEAT))
 
     def _drop(self, _, paths) -> None:
-        self._heard()
-        self._dropped(list(paths))
+        self.heard()
+        self.dropped += paths
 
     @property
     def framebuffer_size(self) -> tuple[int, int]:
@@ -128,6 +132,13 @@ class Host:
     @property
     def pixels_per_point(self) -> float:
         return self.framebuffer_size[0] / (glfw.get_window_size(self.window)[0] or 1)
+
+    def clear(self) -> None:
+        """Begin a picture of the window."""
+        screen = self.ctx.detect_framebuffer(0)
+        screen.use()
+        self.ctx.viewport = (0, 0, *self.framebuffer_size)
+        screen.clear(0.09, 0.09, 0.09, 1.0, viewport=self.ctx.viewport)
 
     def draw_panels(self) -> None:
         """Draw imgui's panels over the window."""

@@ -4,101 +4,82 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from imgui_bundle import imgui  # isort: skip
 
 from ..color import VIEW_TRANSFORMS
 from ..fabric import builtin_fabrics
-from ..geometry.mesh import BUILTIN_MESHES
+from ..geometry.mesh_files import BUILTIN_MESHES
 from ..light.environment import BUILT_IN_NAMES
 from ..light.fit import FABRICS
-from ..picture.renderer import METHODS
 from ..scene import Scene
+from .actions import Actions
 from .controls import Control, controls, scene_controls
 from .curtain_panel import CurtainPanel
 from .dialogs import available
 from .fabric_panel import FabricPanel
-from .widgets import AMBER, CLAMP, GREY, RED, button_if, chooser, control, help_text, neat, tip
-
-if TYPE_CHECKING:
-    from .app import App
+from .files import Files
+from .refine import METHODS
+from .widgets import AMBER, CLAMP, GREY, RED, Panel, buttons, chooser, help_text, neat, tip
 
 LIGHT = {
     c.name: c
     for c in controls(Scene, ("lobes", "shadows", "env_rotate", "exposure", "spp", "background", "ground_color"))
 }
+_FLAGS = imgui.WindowFlags_
+FLOATING = (_FLAGS.no_decoration | _FLAGS.always_auto_resize | _FLAGS.no_nav | _FLAGS.no_saved_settings).value
 
 
-class Panels:
-    """Draws the panels of an App and turns what is done in them into edits of its session."""
+class Panels(Panel):
+    """All of the panels."""
 
-    def __init__(self, app: App):
-        self.app = app
-        self.fabric, self.curtain = FabricPanel(app), CurtainPanel(app)
+    def __init__(self, actions: Actions, files: Files):
+        super().__init__(actions)
+        self.files = files
+        self.fabric, self.curtain = FabricPanel(actions), CurtainPanel(actions)
         self.open_path = ""
-        self._focus_path = False
-        self.scene_path, self.fabric_path, self.picture_path = "scene.toml", "fabric.toml", "picture.png"
         self.with_panels = False
-
-    @property
-    def session(self):
-        return self.app.session
 
     def draw(self) -> None:
         """All panels of one picture of the window."""
         self._overlay()
         self._messages()
-        if not self.app.show_panels:
+        if not self.actions.layout.show_panels:
             return
         io = imgui.get_io()
-        width = self.app.panel_width() / io.display_framebuffer_scale.x
+        width = self.actions.layout.panel_width() / io.display_framebuffer_scale.x
         imgui.set_next_window_pos((io.display_size.x - width, 0))
         imgui.set_next_window_size((width, io.display_size.y))
         flags = imgui.WindowFlags_
         fixed = flags.no_move | flags.no_resize | flags.no_collapse | flags.no_title_bar | flags.no_saved_settings
         imgui.begin("panels", None, fixed)
         imgui.push_item_width(0.52 * width)
-        self._history()
+        actions, session = self.actions, self.session
+        buttons(
+            ("Undo", session.undo, session.can_undo),
+            ("Redo", session.redo, session.can_redo),
+            ("Home", actions.home, True),
+            ("Frame", actions.frame_mesh, True),
+            ("Hide panels", actions.layout.toggle_panels, True),
+        )
         self._mode()
         in_curtain = self.session.in_curtain
         opened = imgui.TreeNodeFlags_.default_open.value
-        if in_curtain and imgui.collapsing_header("Curtain##section", opened):
-            self.curtain.draw()
-        if not in_curtain and imgui.collapsing_header("Scene", opened):
-            self._scene()
-        if imgui.collapsing_header("Fabric", opened):
-            self.fabric.draw()
-        if imgui.collapsing_header("Light", opened):
-            self._light()
-        if imgui.collapsing_header("View"):
-            self._view()
-        if imgui.collapsing_header("Compare A and B"):
-            self._compare()
-        if imgui.collapsing_header("Files"):
-            self._files()
-        if imgui.collapsing_header("Keys and mouse"):
-            self._keys()
+        for title, draw, flags in (
+            ("Curtain##section", self.curtain.draw, opened) if in_curtain else ("Scene", self._scene, opened),
+            ("Fabric", self.fabric.draw, opened),
+            ("Light", self._light, opened),
+            ("View", self._view, 0),
+            ("Compare A and B", self._compare, 0),
+            ("Files", self._files, 0),
+            ("Keys and mouse", self._keys, 0),
+        ):
+            if imgui.collapsing_header(title, flags):
+                draw()
         imgui.pop_item_width()
         imgui.end()
 
     # -- sections ----------------------------------------------------------------------------------------------------
-
-    def _history(self) -> None:
-        if button_if("Undo", self.session.can_undo):
-            self.app.undo()
-        imgui.same_line()
-        if button_if("Redo", self.session.can_redo):
-            self.app.redo()
-        imgui.same_line()
-        if imgui.button("Home"):
-            self.app.navigation.home()
-        imgui.same_line()
-        if imgui.button("Frame"):
-            self.app.navigation.frame_mesh()
-        imgui.same_line()
-        if imgui.button("Hide panels"):
-            self.app.show_panels = False
 
     def _mode(self) -> None:
         mode = self.session.document.mode
@@ -110,36 +91,36 @@ class Panels:
             tip(("draped under an environment", "in the wind before a window, ray traced")[number])
 
     def _scene(self) -> None:
-        app, session, scene = self.app, self.session, self.session.scene
+        actions, session, scene = self.actions, self.session, self.session.scene
         origin = session.chosen
         if new := chooser("fabric", origin if isinstance(origin, str) else origin.name, builtin_fabrics()):
-            app.attempt(app.choose_fabric, new)
+            self.attempt(actions.choose_fabric, new)
         if new := chooser("mesh", scene.mesh, list(BUILTIN_MESHES)):
-            app.attempt(session.edit_scene, mesh=new)
+            self.attempt(session.edit_scene, mesh=new)
         if new := chooser("environment", scene.env, list(BUILT_IN_NAMES)):
-            app.attempt(session.edit_scene, env=new)
+            self.attempt(session.edit_scene, env=new)
         self._open_field()
         self._around(scene)
         if new := chooser("method", scene.method, list(METHODS)):
-            app.attempt(session.edit_scene, method=new)
+            self.attempt(session.edit_scene, method=new)
         self._settings(scene, session.edit_scene, "a")
         self._value(LIGHT["spp"])
 
     def _around(self, scene: Scene) -> None:
         """What stands about the cloth."""
-        app, session = self.app, self.session
+        session = self.session
         changed, on = imgui.checkbox("ground", scene.ground != "off")
         tip("a matt plane under the cloth and the objects")
         if changed:
-            app.attempt(session.edit_scene, ground="auto" if on else "off")
+            self.attempt(session.edit_scene, ground="auto" if on else "off")
         imgui.same_line()
         if imgui.button("Object"):
-            app.files.choose_object(str(Path(self.open_path.strip()).expanduser()) if self.open_path.strip() else "")
+            self.files.choose_object(str(Path(self.open_path.strip()).expanduser()) if self.open_path.strip() else "")
         tip("sets the mesh of the path above, or a file to be chosen, beside the cloth")
         for number, name in enumerate(scene.objects):
             if imgui.small_button(f"x##object {number}"):
                 left = scene.objects[:number] + scene.objects[number + 1 :]
-                app.attempt(session.edit_scene, objects=left)
+                self.attempt(session.edit_scene, objects=left)
             imgui.same_line()
             imgui.text_colored(GREY, f"object: {Path(name).name}")
         if scene.ground != "off":
@@ -148,59 +129,51 @@ class Panels:
     def _settings(self, scene: Scene, edit, key: str) -> None:
         imgui.push_id(key)
         for item in scene_controls(scene.method):
-            changed, new = control(item, getattr(scene, item.name))
-            if changed:
-                self.app.attempt(edit, f"{key} {item.name}", **{item.name: new})
+            self.field(item, scene, edit, f"{key} {item.name}")
         imgui.pop_id()
 
     def _value(self, item: Control) -> None:
-        changed, new = control(item, getattr(self.session.shown, item.name))
-        if changed:
-            self.app.attempt(self.session.edit_shown, item.name, **{item.name: new})
+        self.field(item, self.session.shown, self.session.edit_shown, item.name)
 
     def _view(self) -> None:
-        app, shown = self.app, self.session.shown
+        layout, shown = self.actions.layout, self.session.shown
         self._value(LIGHT["exposure"])
         if new := chooser("view transform", shown.view_transform, list(VIEW_TRANSFORMS)):
-            app.attempt(self.session.edit_shown, view_transform=new)
+            self.attempt(self.session.edit_shown, view_transform=new)
         if not self.session.in_curtain:
             self._value(LIGHT["background"])
         width, height = shown.size
-        changed, app.follow = imgui.checkbox(f"size follows the window ({width} x {height})", app.follow)
-        if not app.follow:
+        _, layout.follow = imgui.checkbox(f"size follows the window ({width} x {height})", layout.follow)
+        if not layout.follow:
             changed, new = imgui.input_int2("size", [width, height], imgui.InputTextFlags_.enter_returns_true.value)
             if changed:
-                app.attempt(self._set_size, tuple(new))
+                self.attempt(self._set_size, tuple(new))
 
     def _set_size(self, size: tuple[int, int]) -> None:
         self.session.move(size=self.session.shown.changed(size=size).size)
 
-    def focus_path(self) -> None:
-        """Put the caret into the field for a file's path."""
-        self.app.show_panels, self._focus_path = True, True
-
     def _open_field(self) -> None:
-        if self._focus_path:
+        if self.files.asks_path:
             imgui.set_keyboard_focus_here()
-            self._focus_path = False
+            self.files.asks_path = False
         enter = imgui.InputTextFlags_.enter_returns_true.value
         done, self.open_path = imgui.input_text_with_hint("##open", "path of a file", self.open_path, enter)
         imgui.same_line()
         if imgui.button("Open") or done:
             if self.open_path.strip():
-                self.app.files.open(str(Path(self.open_path.strip()).expanduser()))
+                self.files.open(str(Path(self.open_path.strip()).expanduser()))
             else:
-                self.app.files.choose()
+                self.files.choose()
         tip(
             "a fabric, scene or lights (.toml .json), a mesh (.obj .glb .ply), an environment (.hdr .exr), a picture of\n"
             "ours (.png .exr); without a path the desktop's dialog asks for one; or drop a file on the window"
         )
 
     def _light(self) -> None:
-        app, session = self.app, self.session
+        actions, session = self.actions, self.session
         if session.in_curtain:
             if new := chooser("environment", session.curtain.env, list(BUILT_IN_NAMES)):
-                app.attempt(session.edit_curtain, env=new)
+                self.attempt(session.edit_curtain, env=new)
             self._open_field()
             self._value(LIGHT["env_rotate"])
             return
@@ -214,8 +187,7 @@ class Panels:
             self._lobes(scene)
         self._value(LIGHT["shadows"])
         self._value(LIGHT["env_rotate"])
-        if app.ready and app.ready[0] is not None:
-            report = app.ready[0].report
+        if (report := actions.light) is not None:
             origin = session.chosen
             name = origin if isinstance(origin, str) and origin in FABRICS else "generic"
             suns = f", {len(report.lights.suns)} suns ({report.share_of_suns:.0%})" if len(report.lights.suns) else ""
@@ -227,7 +199,7 @@ class Panels:
         auto = scene.lobes == "auto"
         changed, auto = imgui.checkbox("K found automatically", auto)
         if changed:
-            self.app.attempt(edit, lobes="auto" if auto else 10)
+            self.attempt(edit, lobes="auto" if auto else 10)
         if auto:
             return
         item = LIGHT["lobes"]
@@ -235,7 +207,7 @@ class Panels:
         changed, new = imgui.slider_int("K, Gaussians", shown, int(item.low), int(item.high), "%d", CLAMP)
         help_text(item)
         if changed:
-            self.app.attempt(edit, "lobes", lobes=new)
+            self.attempt(edit, "lobes", lobes=new)
 
     def _compare(self) -> None:
         session, document = self.session, self.session.document
@@ -244,11 +216,8 @@ class Panels:
                 session.compare(how)
             imgui.same_line()
         imgui.new_line()
-        if imgui.button("B = A"):
-            session.keep_as_other()
-        imgui.same_line()
-        if button_if("Swap A and B", document.shown_other is not None):
-            session.swap()
+        there = document.shown_other is not None
+        buttons(("B = A", session.keep_as_other, True), ("Swap A and B", session.swap, there))
         document = session.document
         if document.compare == "split":
             changed, new = imgui.slider_float("split at", document.split, 0.0, 1.0, "%.3f", CLAMP)
@@ -266,132 +235,84 @@ class Panels:
             self.curtain.other(other)
         else:
             if new := chooser("method of B", other.method, list(METHODS)):
-                self.app.attempt(session.edit_other, method=new)
+                self.attempt(session.edit_other, method=new)
             self._settings(other, session.edit_other, "b")
         value = other.fabric if isinstance(other.fabric, str) else other.fabric.name
         if new := chooser("fabric of B", value, builtin_fabrics()):
-            self.app.attempt(session.edit_other, fabric=new)
+            self.attempt(session.edit_other, fabric=new)
 
     def _files(self) -> None:
-        files = self.app.files
-        for name, label, kinds, save in (
-            ("scene_path", "Save scene", ["Scene", "*.toml"], files.save_scene),
-            ("fabric_path", "Save fabric", ["Fabric", "*.toml"], files.save_fabric),
-            ("picture_path", "Save picture", ["Picture", "*.png *.exr"], self._save_picture),
+        files = self.files
+        for name, kinds, save in (
+            ("scene", ["Scene", "*.toml"], files.save_scene),
+            ("fabric", ["Fabric", "*.toml"], files.save_fabric),
+            ("picture", ["Picture", "*.png *.exr"], lambda path: files.save_picture(path, self.with_panels)),
         ):
-            self._save_row(name, label, kinds, save)
+            self._save_row(name, kinds, save)
         _, self.with_panels = imgui.checkbox("with panels (.png)", self.with_panels)
-        if imgui.button("Copy command line"):
-            files.copy_command()
-        imgui.same_line()
-        if imgui.button("Copy Python"):
-            files.copy_python()
+        buttons(("Copy command line", files.copy_command, True), ("Copy Python", files.copy_python, True))
 
-    def _save_row(self, name: str, label: str, kinds: list[str], save: Callable[[str], None]) -> None:
+    def _save_row(self, name: str, kinds: list[str], save: Callable[[str], None]) -> None:
+        names, label = self.files.names, f"Save {name}"
         imgui.push_id(name)
-        _, path = imgui.input_text("##path", getattr(self, name))
-        setattr(self, name, path)
+        _, names[name] = imgui.input_text("##path", names[name])
         imgui.same_line()
         if imgui.button(label):
-            save(path)
+            save(names[name])
         if available():
             imgui.same_line()
 
             def chosen(new: str) -> None:
-                setattr(self, name, new)
+                names[name] = new
                 save(new)
 
             if imgui.button("..."):
-                self.app.files.dialogs.save(label, path, kinds, chosen)
+                self.files.dialogs.save(label, names[name], kinds, chosen)
         imgui.pop_id()
-
-    def _save_picture(self, path: str) -> None:
-        self.app.files.save_picture(path, self.with_panels)
 
     def _keys(self) -> None:
         for keys, what in KEYS:
             imgui.text_colored(GREY, keys)
-            imgui.same_line(150 * self.app.scale)
+            imgui.same_line(150 * self.actions.layout.scale)
             imgui.text(what)
 
     # -- over the picture --------------------------------------------------------------------------------------------
 
     def _overlay(self) -> None:
-        app = self.app
-        imgui.set_next_window_pos((8 * app.scale, 8 * app.scale))
+        actions, scale = self.actions, self.actions.layout.scale
+        imgui.set_next_window_pos((8 * scale, 8 * scale))
         imgui.set_next_window_bg_alpha(0.55)
-        flags = imgui.WindowFlags_
-        imgui.begin(
-            "overlay",
-            None,
-            flags.no_decoration | flags.always_auto_resize | flags.no_inputs | flags.no_nav | flags.no_saved_settings,
-        )
-        if not app.shows_something:
-            imgui.text(app.resources.doing or "starting")
+        imgui.begin("overlay", None, FLOATING | imgui.WindowFlags_.no_inputs.value)
+        if not actions.shows_something:
+            imgui.text(actions.waits_for or "starting")
         else:
-            for line in self._curtain_lines() if self.session.in_curtain else self._cloth_lines():
+            for line in actions.status:
                 imgui.text(line)
-            if app.resources.doing and app.pending:
-                imgui.text_colored(AMBER, f"{app.resources.doing} ...")
-        imgui.text_colored(GREY, app.ctx.info["GL_RENDERER"])
-        if app.host.software:
+            if actions.waits_for:
+                imgui.text_colored(AMBER, f"{actions.waits_for} ...")
+        name, software = actions.device
+        imgui.text_colored(GREY, name)
+        if software:
             imgui.text_colored(AMBER, "software rendering: no GPU driver in use")
         imgui.end()
 
-    def _cloth_lines(self) -> list[str]:
-        app, refiner = self.app, self.app.refiner
-        share = min((side.share for side in refiner.sides), default=0.0)
-        scale = max((side.scale for side in refiner.sides), default=1.0)
-        if share >= 1.0:
-            state = f"{app.full_ms:.0f} ms, {app.covered} pixels covered" if app.full_ms else "done"
-        else:
-            state = _refining(share, scale)
-        return [f"{app.session.scene.method}: {state}; preview {refiner.preview_ms:.0f} ms"]
-
-    def _curtain_lines(self) -> list[str]:
-        player, scene = self.app.player, self.session.curtain
-        if player.hung < 1.0:
-            return [f"hanging the curtain: {10 * int(10 * player.hung)} %"]
-        side, times = player.sides[0], player.timings
-        if player.playing:
-            rate = f"{1e3 / times.frame:.1f} frames/s" if times.frame else "starting"
-            state = f"playing, {rate}, shown at 1/{side.scale:g}"
-        elif player.frame < player.wanted:
-            state = f"on its way to frame {player.wanted}"
-        elif side.share >= 1.0:
-            state = "done"
-        else:
-            state = _refining(side.share, side.scale)
-        return [
-            f"frame {player.frame}: {state}",
-            f"{scene.accelerator}: build {times.build:.0f} ms, trace {times.trace:.0f} ms; simulation {times.simulate:.0f} ms",
-        ]
-
     def _messages(self) -> None:
-        app = self.app
-        if not app.messages:
+        layout, messages = self.actions.layout, self.actions.messages
+        if not messages.lines:
             return
         io = imgui.get_io()
-        flags = imgui.WindowFlags_
-        width = io.display_size.x - app.panel_width() / io.display_framebuffer_scale.x
-        imgui.set_next_window_pos((8 * app.scale, io.display_size.y - 8 * app.scale), 0, (0.0, 1.0))
+        width = io.display_size.x - layout.panel_width() / io.display_framebuffer_scale.x
+        imgui.set_next_window_pos((8 * layout.scale, io.display_size.y - 8 * layout.scale), 0, (0.0, 1.0))
         imgui.set_next_window_bg_alpha(0.85)
-        imgui.begin(
-            "messages", None, flags.no_decoration | flags.always_auto_resize | flags.no_saved_settings | flags.no_nav
-        )
-        imgui.push_text_wrap_pos(max(width - 60 * app.scale, 100.0))
-        for number, (kind, text) in enumerate(list(app.messages)):
+        imgui.begin("messages", None, FLOATING)
+        imgui.push_text_wrap_pos(max(width - 60 * layout.scale, 100.0))
+        for number, (kind, text) in enumerate(messages.lines):
             if imgui.small_button(f"x##{number}"):
-                app.messages = [m for m in app.messages if m != (kind, text)]
+                messages.close((kind, text))
             imgui.same_line()
             imgui.text_colored(RED if kind == "error" else GREY, text)
         imgui.pop_text_wrap_pos()
         imgui.end()
-
-
-def _refining(share: float, scale: float) -> str:
-    # In tenths, so that the line stays calm.
-    return f"refining {10 * int(10 * share)} %" + (f", shown at 1/{scale:g}" if scale > 1 else "")
 
 
 KEYS = (

@@ -1,85 +1,121 @@
-"""From small to full size within a time budget: a picture that always answers, and ends as `render` makes it."""
+"""The cloth in the window, from small to full size within a time budget: it always answers, and ends as `render`'s.
+
+The only file of the window that speaks with the Renderer.
+"""
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import moderngl
 
-from ..gpu import shader
-from ..picture.frame import Frame
+from ..fabric import Fabric
+from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
+from ..gpu.programs import programs
+from ..gpu.screen import draw_screen
+from ..light.environment import rotation_y
+from ..methods import registry
+from ..picture.frame import Frame, default_camera
 from ..picture.renderer import Renderer
+from ..scene import Scene
 from ..visibility.vertices import FEWEST
-from .slices import BUDGET, Slices
+from .clock import now, timed
+from .pictures import Targets
+from .resources import Ready
+from .slices import BUDGET, Slices, refining
 
+METHODS = tuple(registry.METHODS)
 PREVIEW = 0.028  # seconds of shading a picture while something changes
 HASTE = 1.7  # by how much the first picture after a rest is smaller still
 LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # by how much a preview is smaller than the picture
 HALF_FROM = 0.8  # seconds of full size from which something quicker comes first
 SLICE = 0.016  # seconds of work that is not split further, between two looks
-FINAL_UNIT, BASE_UNIT, COVER_UNIT = 0, 1, 2
-
-
-@dataclass
-class Side:
-    """What a side shows now.
-
-    Parameters
-    ----------
-    texture : linear, premultiplied, bottom row first; None before the first preview
-    scale : by how much it is smaller than the picture
-    version : changes with every new picture
-    share : 0 to 1, how much of the full picture is done; 1 only when it is `render`'s, bit for bit
-    """
-
-    texture: moderngl.Texture | None = None
-    scale: float = 1.0
-    share: float = 0.0
-    version: int = 0
+COPY = "passes/window/refine.frag"
+NOT_LIGHT = ("exposure", "view_transform")  # how a picture is shown
 
 
 class Refiner(Slices):
     """Draws one or two frames with one renderer. `show` says what; `work` draws for a while."""
 
-    def __init__(self, renderer: Renderer):
+    def __init__(self, ctx: moderngl.Context):
         super().__init__()
-        self.renderer = renderer
-        self.ctx = renderer.ctx
-        self.sides: list[Side] = []
+        self.ctx = ctx
+        self.renderer = Renderer(ctx=ctx)
+        self.frames: list[Frame] = []
         self.preview_ms = 0.0
-        self._frames: list[Frame] = []
+        self.covered = 0  # pixels of the complete picture that show cloth
         self._scale = 6.0
         self._shading = 0.0  # seconds that the last preview took, but for its G-buffer
         self._seconds_per_row: dict[tuple, float] = {}
-        self._targets: dict[tuple, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
-        self._copy = shader.program(self.ctx, "passes/picture/screen.vert", "passes/window/refine.frag")
+        self._targets = Targets(ctx)
         self._directions = 4  # of the shadows, at a time
+        self._cold = True  # what edits of the weave may need is not all compiled
+        self._warming: Iterator[None] | None = None
 
-    def show(self, frames: list[Frame]) -> None:
-        """Draw these frames from now on. A small picture under way is finished first: else the edits of a drag, one
-        after the other, would let none be seen."""
-        self._frames = frames
-        while len(self.sides) < len(frames):
-            self.sides.append(Side())
-        del self.sides[len(frames) :]
-        for side in self.sides:
-            side.share = 0.0
-        self._begin()
+    def frame(self, scene: Scene, fabric: Fabric, ready: Ready, complete: bool) -> Frame:
+        """A frame of what is there; while tables or a fit are being made, the last light and the direct method serve."""
+        lights = ready.lights if complete else ready.report.lights.rotated(rotation_y(scene.env_rotate))
+        if not complete and scene.method == "paper":
+            scene = scene.model_copy(update={"method": "direct"})
+        return self.renderer.prepare(
+            scene,
+            fabric=fabric,
+            mesh=ready.mesh,
+            environment=ready.environment,
+            lights=lights,
+            objects=ready.objects,
+        )
 
-    def finish(self) -> None:
-        """Draw until all is at full quality."""
-        while not self.idle:
-            self.work(10.0)
+    @property
+    def mesh(self) -> Mesh | None:
+        """The cloth of the present frames; None before the first."""
+        return self.frames[0].mesh if self.frames else None
+
+    def camera(self, scene: Scene) -> Camera:
+        """The camera that shows it as a scene says."""
+        return default_camera(self.frames[0].mesh, scene)
+
+    def show(self, frames: list[Frame]) -> bool:
+        """Draw these frames from now on; False where only how they are shown differs from what is drawn already."""
+        same = len(frames) == len(self.frames) and all(map(_same_light, frames, self.frames))
+        self.frames = frames
+        if same and self.sides:
+            return False
+        self._begin(len(frames))
+        return True
+
+    def status(self, scene: Scene) -> list[str]:
+        """How far the picture is, in words."""
+        unfinished = [side for side in self.sides if side.share < 1.0]
+        state = f"{self.full_ms:.0f} ms, {self.covered} pixels covered" if self.full_ms else "done"
+        if unfinished:
+            state = refining(min(unfinished, key=lambda side: side.share))
+        return [f"{scene.method}: {state}; preview {self.preview_ms:.0f} ms"]
+
+    @property
+    def cold(self) -> bool:
+        """Whether something is left to compile that edits of the weave may need."""
+        return self._cold and self.frames != [] and self.frames[0].scene.method == "direct"
+
+    def warm_up(self) -> None:
+        """Compile one such thing."""
+        if self._warming is None:
+            self._warming = self.renderer.warm_up(self.frames[0])
+        self._cold = next(self._warming, self) is not self
+
+    def try_out(self, frames: list[Frame]) -> None:
+        """Draw frames as small as can be, and show nothing. Raises ShaderError."""
+        programs(self.ctx).screen(COPY)
+        for frame in frames:
+            tiny = frame.scene.model_copy(update={"size": (16, 16), "spp": 1})
+            self.renderer.draw(replace(frame, scene=tiny))
 
     def release(self) -> None:
         """Free the textures."""
         self._plan = None
-        for texture, framebuffer in self._targets.values():
-            framebuffer.release()
-            texture.release()
-        self._targets = {}
+        self._targets.release()
         self.sides = []
 
     # -- the plan ----------------------------------------------------------------------------------------------------
@@ -90,7 +126,7 @@ class Refiner(Slices):
         hasty = True
         while True:
             self._again = False
-            frames = list(self._frames)
+            frames = list(self.frames)
             yield from self._shadows(frames, FEWEST)
             for number, frame in enumerate(frames):
                 yield from self._preview(number, frame, hasty)
@@ -105,6 +141,7 @@ class Refiner(Slices):
             yield from self._between(number, frame)
         for number, frame in enumerate(frames):
             yield from self._at(number, frame, 1.0, "full")
+        self.covered = self.renderer.covered_pixels()
 
     def _preview(self, number: int, frame: Frame, hasty: bool) -> Iterator[bool]:
         """A small picture that takes little time, and the size of the next one from how long it took."""
@@ -119,17 +156,15 @@ class Refiner(Slices):
             placing = False
             return -(-height // bands)
 
-        last = time.perf_counter()
         spent = shading = 0.0
-        for _ in self.renderer.steps(small, rows, preview=True):
-            now = time.perf_counter()
-            spent, shading = spent + now - last, shading + (0.0 if placing else now - last)
+        for _, seconds in timed(self.renderer.steps(small, rows, preview=True)):
+            spent, shading = spent + seconds, shading + (0.0 if placing else seconds)
             yield False
-            last = time.perf_counter()
+        begin = now()
         if number < len(self.sides):
             self._take(number, "preview", small, scale)
             self.ctx.finish()
-        rest = time.perf_counter() - last
+        rest = now() - begin
         self.preview_ms = 1e3 * (spent + rest)
         if not hasty:
             self._shading = shading + rest
@@ -155,13 +190,10 @@ class Refiner(Slices):
     def _shadows(self, frames: list[Frame], enough: int | None = None) -> Iterator[bool]:
         """Trace what the shadows of these frames lack, or only the directions that a first impression needs."""
         for frame in frames:
-            last = time.perf_counter()
-            for _ in self.renderer.trace_visibility(frame, self._directions, enough):
-                now = time.perf_counter()
-                share = SLICE / max(now - last, 1e-4)
+            for _, seconds in timed(self.renderer.trace_visibility(frame, self._directions, enough)):
+                share = SLICE / max(seconds, 1e-4)
                 self._directions = max(1, min(32, round(self._directions * min(share, 2.0))))
                 yield False
-                last = time.perf_counter()
 
     def _learn(self, seconds: float) -> None:
         """Choose the next preview's size from how long the shading of this one took."""
@@ -174,38 +206,32 @@ class Refiner(Slices):
     def _at(self, number: int, frame: Frame, scale: float, stage: str) -> Iterator[bool]:
         """Draw one frame in bands as high as the time left allows."""
         key = _cost_key(frame, scale)
-        whole = 0
-        last = time.perf_counter()
         guess = BUDGET if frame.scene.method == "reference" else BUDGET / 16
-        wanted = [0]  # rows of the step under way; 0: it shades none
+        height, final = frame.scene.size[1], stage == "full"
+        wanted = 0  # rows of the step under way; 0: it shades none
 
         def rows() -> int:
-            pace = self._seconds_per_row.get(key, guess)
-            left = max(self._until - time.perf_counter(), 0.25 * BUDGET)
-            wanted[0] = max(1, int(left / pace))
-            return wanted[0]
+            nonlocal wanted
+            left = max(self._until - now(), 0.25 * BUDGET)
+            wanted = max(1, int(left / self._seconds_per_row.get(key, guess)))
+            return wanted
 
-        final = stage == "full"
-        done = total = rows_done = 0
+        whole = rows_done = 0
         # What the pixels see of narrow lights is not waited for but at the end.
-        for done, total in self.renderer.steps(frame, rows, preview=not final):
-            now = time.perf_counter()
-            shaded = min(wanted[0], frame.scene.size[1])
-            wanted[0] = 0
+        for (done, total), seconds in timed(self.renderer.steps(frame, rows, preview=not final)):
+            shaded, wanted = min(wanted, height), 0
             if shaded:
-                pace = (now - last) / shaded
+                pace = seconds / shaded
                 before = self._seconds_per_row.get(key, pace)
                 self._seconds_per_row[key] = 0.7 * before + 0.3 * min(pace, 4 * before)
-            if final and number < len(self.sides):
-                rows_done += shaded
-                self.sides[number].share = min(max(done, rows_done / frame.scene.size[1]) / total, 0.999)
-            if final and done > whole and done < total:
+            rows_done += shaded
+            if final:
+                self.sides[number].share = min(max(done, rows_done / height) / total, 0.999)
+            more = final and whole < done < total
+            if more:
                 whole = done
                 self._take(number, "partial", frame, scale, done, total)
-                yield True
-            else:
-                yield False
-            last = time.perf_counter()
+            yield more
         self.ctx.finish()
         yield False  # the background was a step of its own
         self._take(number, stage, frame, scale)
@@ -213,55 +239,39 @@ class Refiner(Slices):
             self.sides[number].share = 1.0
         yield True
 
-    # -- what the sides show -----------------------------------------------------------------------------------------
-
     def _take(self, number: int, stage: str, frame: Frame, scale: float, done: int = 1, total: int = 1) -> None:
-        """Copy the renderer's target into a texture of the side; a part of a sum is filled up with what is shown."""
-        side = self.sides[number]
-        texture, framebuffer = self._target(number, stage, frame.scene.size)
+        """Copy the renderer's picture into a texture of the side; a part of a sum is filled up with what is shown."""
+        side, spp = self.sides[number], frame.scene.spp
+        target = self._targets.get(f"{stage} {number}", frame.scene.size, side.texture)
         source = self.renderer.gbuffer
-        base = side.texture or texture
-        spp = frame.scene.spp
         samples = done * spp // total
         partial = stage == "partial"
-        gain = (spp / samples if samples else float(spp)) if partial else 1.0
-        source.color.use(FINAL_UNIT)
-        base.use(BASE_UNIT)
-        source.frame("frame_N").use(COVER_UNIT)
-        shader.set_uniforms(self._copy, gain=gain, mode=0 if not partial else 1 if samples else 2)
-        framebuffer.use()
-        self.ctx.enable_only(moderngl.NOTHING)
-        array = self.ctx.vertex_array(self._copy, [])
-        array.render(moderngl.TRIANGLES, vertices=3)
-        array.release()
+        draw_screen(
+            programs(self.ctx).screen(COPY),
+            target.framebuffer,
+            drawn=source.color,
+            shown=side.texture or source.color,
+            frame_N=source.frame("frame_N"),
+            gain=float(spp) / max(samples, 1) if partial else 1.0,
+            mode=0 if not partial else 1 if samples else 2,
+        )
         if partial and frame.scene.background:
-            self.renderer.draw_background(frame, framebuffer)
-        side.texture, side.scale = texture, scale
-        side.version += 1
+            self.renderer.draw_background(frame, target.framebuffer)
+        side.show(target.texture, scale)
 
-    def _target(self, number: int, stage: str, size: tuple[int, int]):
-        # A part is filled up with the picture shown so far, so it must not overwrite that one: two take turns.
-        if stage == "partial":
-            current = self.sides[number].texture
-            for turn in ("partial 0", "partial 1"):
-                found = self._targets.get((number, turn))
-                if found is None or found[0] is not current:
-                    stage = turn
-                    break
-        key = (number, stage)
-        found = self._targets.get(key)
-        if found is None or found[0].size != size:
-            if found is not None:
-                if self.sides[number].texture is found[0]:
-                    self.sides[number].texture = None
-                self.ctx.detect_framebuffer(0).use()
-                found[1].release()
-                found[0].release()
-            texture = self.ctx.texture(size, 4, dtype="f4")
-            texture.filter = moderngl.LINEAR, moderngl.LINEAR
-            texture.repeat_x = texture.repeat_y = False
-            self._targets[key] = texture, self.ctx.framebuffer([texture])
-        return self._targets[key]
+
+def _same_light(new: Frame, old: Frame) -> bool:
+    """True when two frames have the same linear picture: they differ in how it is shown at most."""
+    same = replace(new, scene=new.scene.model_copy(update={n: getattr(old.scene, n) for n in NOT_LIGHT}))
+    return (
+        same.scene == old.scene
+        and same.fabric is old.fabric
+        and same.mesh is old.mesh
+        and same.environment is old.environment
+        and same.lights is old.lights
+        and same.objects is old.objects
+        and same.camera == old.camera
+    )
 
 
 def _smaller(frame: Frame, scale: float) -> Frame:

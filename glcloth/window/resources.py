@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..curtain.show import CurtainScene
-from ..fabric import Fabric, load_fabric
-from ..geometry.mesh import Mesh, load_mesh
+from ..fabric import Fabric
+from ..geometry.mesh import Mesh
+from ..geometry.mesh_files import load_mesh
 from ..geometry.props import Objects, arrange, load_solids
 from ..light.environment import Environment, load_environment, rotation_y
 from ..light.fit import FitReport, fit_report, report_on
@@ -95,7 +95,7 @@ class Resources:
         )
         return Ready(fabric, mesh, environment, report, lights, objects)
 
-    def ask_curtain(self, scene: CurtainScene, fabric: Fabric) -> Environment | None:
+    def ask_curtain(self, scene: Scene, fabric: Fabric) -> Environment | None:
         """What the curtain needs beside itself: its environment. None while that, or the fabric's albedo (which the
         tracer then finds in its cache), is still being made. Raises as `ask` does."""
         self.doing = ""
@@ -104,10 +104,6 @@ class Resources:
         key = fabric.model_dump_json(exclude={"name", "transmission"})
         albedo = self._get("albedo", key, lambda: mean_albedo(fabric), "the fabric's albedo")
         return None if albedo is None else environment
-
-    def fabric(self, name: str) -> Fabric:
-        """A fabric of a name or file, read now (it is a small file)."""
-        return load_fabric(name)
 
     def _get(self, kind: str, key: Any, make: Callable[[], Any], words: str, beside: bool = True) -> Any:
         found = self._kinds.setdefault(kind, OrderedDict())

@@ -8,8 +8,10 @@ import moderngl
 from OpenGL import GL
 
 from ..color import VIEW_TRANSFORMS
-from ..gpu import shader
-from .refine import Side
+from ..gpu.memo import Last
+from ..gpu.programs import Draw, programs
+from ..gpu.screen import draw_screen
+from .pictures import Side, Target, Targets
 
 Rectangle = tuple[int, int, int, int]  # left, bottom, width, height in pixels
 
@@ -27,10 +29,12 @@ class Screen:
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
-        self._encode = shader.program(ctx, "passes/picture/screen.vert", "passes/window/display.frag")
-        self._array = ctx.vertex_array(self._encode, [])
-        self._codes: list[tuple[moderngl.Texture, moderngl.Framebuffer] | None] = [None, None]
-        self._keys: list[tuple | None] = [None, None]
+        self._codes = Targets(ctx, "f1")
+        self._drawn: tuple[Last, Last] = Last(), Last()
+
+    def compiled(self) -> Draw:
+        """The program. Raises ShaderError."""
+        return programs(self.ctx).screen("passes/window/display.frag")
 
     def draw(
         self,
@@ -47,85 +51,54 @@ class Screen:
             return
         compare = compare if len(sides) > 1 else "off"
         if compare == "difference":
-            pictures = [self.encode(0, sides, look, difference_scale)]
+            codes = [self.encode(0, sides, look, difference_scale)]
         else:
             wanted = sides if compare == "split" else sides[:1]
-            pictures = [self.encode(number, [side], look) for number, side in enumerate(wanted)]
+            codes = [self.encode(number, [side], look) for number, side in enumerate(wanted)]
         screen = self.ctx.detect_framebuffer(0)
-        shares = [split, 1.0 - split] if len(pictures) > 1 else [1.0]
-        begin = 0.0
-        for number, (picture, share) in enumerate(zip(pictures, shares, strict=True)):
-            self._blit(self._codes[number][1], picture.size, screen, rectangle, begin, begin + share)
-            begin += share
+        ends = [0.0, split, 1.0] if len(codes) > 1 else [0.0, 1.0]
+        for code, begin, end in zip(codes, ends[:-1], ends[1:], strict=True):
+            _blit(code, screen, rectangle, begin, end)
         screen.use()
 
-    @staticmethod
-    def _blit(source, size: tuple[int, int], screen, rectangle: Rectangle, begin: float, end: float) -> None:
-        """Copy the columns from `begin` to `end` (shares of the width), scaled where the sizes differ."""
-        left, bottom, width, height = rectangle
-        x0, x1 = round(begin * width), round(end * width)
-        exact = size == (width, height)
-        # A copy by OpenGL itself costs a tenth of a drawn rectangle on a software rasteriser.
-        GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, source.glo)
-        GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, screen.glo)
-        GL.glDisable(GL.GL_SCISSOR_TEST)
-        GL.glBlitFramebuffer(
-            round(begin * size[0]),
-            0,
-            round(end * size[0]),
-            size[1],
-            left + x0,
-            bottom,
-            left + x1,
-            bottom + height,
-            GL.GL_COLOR_BUFFER_BIT,
-            GL.GL_NEAREST if exact else GL.GL_LINEAR,
-        )
-
-    def encode(self, number: int, sides: list[Side], look: Look, difference_scale: float = 0.0) -> moderngl.Texture:
+    def encode(self, number: int, sides: list[Side], look: Look, difference_scale: float = 0.0) -> Target:
         """The 8-bit picture of one side, or of the difference of two."""
-        size = max((side.texture.size for side in sides), key=lambda size: size[0])
+        textures = [side.texture for side in sides]
+        size = max((texture.size for texture in textures), key=lambda size: size[0])
+        code = self._codes.get(str(number), size)
         versions = tuple((side.texture, side.version) for side in sides)
-        key = versions, look, difference_scale
-        target = self._codes[number]
-        if target is None or target[0].size != size:
-            self._free(number)
-            texture = self.ctx.texture(size, 4)
-            texture.repeat_x = texture.repeat_y = False
-            target = self._codes[number] = texture, self.ctx.framebuffer([texture])
-        if self._keys[number] != key:
-            self._keys[number] = key
-            for unit, side in enumerate(sides):
-                filter = moderngl.NEAREST if side.texture.size == size else moderngl.LINEAR
-                side.texture.filter = filter, filter
-                side.texture.use(unit)
-            shader.set_uniforms(
-                self._encode,
+        if self._drawn[number].changes(code.texture, versions, look, difference_scale):
+            for texture in textures:
+                texture.filter = 2 * (moderngl.NEAREST if texture.size == size else moderngl.LINEAR,)
+            draw_screen(
+                self.compiled(),
+                code.framebuffer,
+                picture_a=textures[0],
+                picture_b=textures[-1],
                 extent=(float(size[0]), float(size[1])),
                 exposure=look.exposure,
                 view_transform=list(VIEW_TRANSFORMS).index(look.view_transform),
                 difference_scale=difference_scale,
                 opaque=look.opaque,
             )
-            target[1].use()
-            self.ctx.viewport = (0, 0, *size)
-            self.ctx.enable_only(moderngl.NOTHING)
-            self._array.render(moderngl.TRIANGLES, vertices=3)
-            for side in sides:
-                side.texture.filter = moderngl.LINEAR, moderngl.LINEAR
-        return target[0]
-
-    def _free(self, number: int) -> None:
-        if self._codes[number] is not None:
-            self.ctx.detect_framebuffer(0).use()
-            texture, framebuffer = self._codes[number]
-            framebuffer.release()
-            texture.release()
-            self._codes[number] = self._keys[number] = None
+            for texture in textures:
+                texture.filter = moderngl.LINEAR, moderngl.LINEAR
+        return code
 
     def release(self) -> None:
-        """Free textures and programs."""
-        for number in (0, 1):
-            self._free(number)
-        self._array.release()
-        self._encode.release()
+        """Free the textures."""
+        self._codes.release()
+
+
+def _blit(code: Target, screen: moderngl.Framebuffer, rectangle: Rectangle, begin: float, end: float) -> None:
+    """Copy the columns from `begin` to `end` (shares of the width), scaled where the sizes differ."""
+    left, bottom, width, height = rectangle
+    size = code.texture.size
+    source = round(begin * size[0]), 0, round(end * size[0]), size[1]
+    target = left + round(begin * width), bottom, left + round(end * width), bottom + height
+    # A copy by OpenGL itself costs a tenth of a drawn rectangle on a software rasteriser.
+    GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, code.framebuffer.glo)
+    GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, screen.glo)
+    GL.glDisable(GL.GL_SCISSOR_TEST)
+    filter = GL.GL_NEAREST if size == (width, height) else GL.GL_LINEAR
+    GL.glBlitFramebuffer(*source, *target, GL.GL_COLOR_BUFFER_BIT, filter)

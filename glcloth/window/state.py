@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ..curtain.show import CurtainScene
 from ..errors import InputError
 from ..fabric import Fabric, Transmission, load_fabric
-from ..scene import Scene, View
+from ..scene import CurtainParameters, Scene, View
 
 Compare = Literal["off", "split", "difference"]
 Mode = Literal["cloth", "curtain"]
@@ -31,7 +30,7 @@ OWN = ("fabric", "accelerator", "depth", "spread")
 MOST_STEPS = 1000  # of undo that are kept
 # Moving around is no edit: undo leaves the eye where it is.
 NAVIGATION = ("camera", "size")
-_CURTAIN = CurtainScene()
+_CURTAIN = Scene(curtain=CurtainParameters())
 
 
 @dataclass(frozen=True)
@@ -59,22 +58,22 @@ class Document:
     split: float = 0.5
     difference_scale: float = 8.0
     mode: Mode = "cloth"
-    curtain: CurtainScene = _CURTAIN
+    curtain: Scene = _CURTAIN
     curtain_origin: str | Fabric = _CURTAIN.fabric
-    curtain_other: CurtainScene | None = None
+    curtain_other: Scene | None = None
     layered: bool = False
 
     @property
-    def shown(self) -> Scene | CurtainScene:
+    def shown(self) -> Scene:
         """The scene that is shown."""
         return self.scene if self.mode == "cloth" else self.curtain
 
     @property
-    def shown_other(self) -> Scene | CurtainScene | None:
+    def shown_other(self) -> Scene | None:
         """Side B of what is shown."""
         return self.other if self.mode == "cloth" else self.curtain_other
 
-    def sides(self) -> list[Scene] | list[CurtainScene]:
+    def sides(self) -> list[Scene]:
         """The scenes to draw: A, and B while it is compared."""
         a, b = self.shown, self.shown_other
         if self.compare == "off" or b is None:
@@ -87,8 +86,8 @@ class Document:
 class Session:
     """A document with its history. Every method either succeeds or raises InputError and leaves all as it was."""
 
-    def __init__(self, scene: Scene | CurtainScene):
-        if isinstance(scene, Scene):
+    def __init__(self, scene: Scene):
+        if scene.curtain is None:
             self.document = Document(scene, scene.fabric)
         else:
             cloth = Scene()
@@ -106,11 +105,11 @@ class Session:
         return self.document.scene
 
     @property
-    def curtain(self) -> CurtainScene:
+    def curtain(self) -> Scene:
         return self.document.curtain
 
     @property
-    def shown(self) -> Scene | CurtainScene:
+    def shown(self) -> Scene:
         """The scene that is shown."""
         return self.document.shown
 
@@ -180,7 +179,7 @@ class Session:
     def hang(self, gesture: str | None = None, **changes) -> None:
         """Change parameters of the curtain itself, wind and stiffness among them. Raises InputError."""
         try:
-            parameters = replace(self.curtain.curtain, **changes)
+            parameters = self.curtain.curtain.changed(**changes)
         except InputError as error:
             raise InputError(str(error).removeprefix("curtain: ")) from None
         self.edit_curtain(gesture, curtain=parameters)
@@ -200,7 +199,7 @@ class Session:
         other = self._changed(self.document.shown_other or self.shown, changes)
         self.apply(self._with_other(other), gesture)
 
-    def _with_other(self, other: Scene | CurtainScene, **changes) -> Document:
+    def _with_other(self, other: Scene, **changes) -> Document:
         """The document with another side B."""
         return replace(self.document, **{"curtain_other" if self.in_curtain else "other": other}, **changes)
 
@@ -280,10 +279,10 @@ class Session:
         names = ("curtain", "curtain_origin") if self.in_curtain else ("scene", "origin")
         self.apply(self._with_other(self.shown, **dict(zip(names, (scene, other.fabric), strict=True))))
 
-    def open(self, scene: Scene | CurtainScene) -> None:
+    def open(self, scene: Scene) -> None:
         """Take another scene as a whole and show it. Raises InputError when its fabric cannot be read or does not serve."""
         fabric = self.resolve(scene.fabric)
-        if isinstance(scene, Scene):
+        if scene.curtain is None:
             self.apply(replace(self.document, scene=scene, origin=scene.fabric, mode="cloth"))
             return
         if fabric.transmission is None:

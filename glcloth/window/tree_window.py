@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import dataclasses
-import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import glfw
 import numpy as np
 from OpenGL import GL
 
-from ..curtain.show import CurtainShow, hides
+from ..curtain.show import CurtainShow, camera_of, hides
 from ..geometry.camera import Camera
 from ..tracing.tree_view import TreeContent, TreePicture
 from . import orbit
+from .clock import now
 from .host import Host, context_hints
-from .refine import Side
+from .pictures import Side
 from .screen import Look, Screen
 
 SIZE = 640  # points a side
@@ -27,9 +27,9 @@ class TreeWindow:
     It shares the first window's textures; only the copy to the screen is made with its own context.
     """
 
-    def __init__(self, host: Host, typed: Callable[[str, int, int, bool], None]):
-        """`typed` hears of keys that mean nothing here: play and pause work in both windows."""
-        self._host, self._typed = host, typed
+    def __init__(self, host: Host):
+        """Keys that mean nothing here are the host's: play and pause work in both windows."""
+        self._host = host
         context_hints()
         glfw.window_hint(glfw.FOCUS_ON_SHOW, glfw.FALSE)
         glfw.window_hint(glfw.FOCUSED, glfw.FALSE)
@@ -54,7 +54,6 @@ class TreeWindow:
         self._side = Side()
         self._plan: Iterator[None] | None = None
         self._stale = self._shown = False
-        self.missed = False  # a frame came while the one before was being drawn
         self._drag: tuple[int, float, float] | None = None
         glfw.set_cursor_pos_callback(self.window, self._moved)
         glfw.set_mouse_button_callback(self.window, self._button)
@@ -85,21 +84,20 @@ class TreeWindow:
         """True when the window shows what it should."""
         return self._plan is None and not self._stale and self._shown
 
-    def follow(self, curtain: CurtainShow) -> None:
-        """Take the structure of the present frame; nothing is drawn yet. While the last one is being drawn it is
-        `missed` instead."""
-        self.missed = self._plan is not None
-        if self.missed:
-            return
+    def follow(self, curtain: CurtainShow) -> bool:
+        """Take the structure of the present frame; nothing is drawn yet. False while the last one is being drawn."""
+        if self._plan is not None:
+            return False
         accelerator = curtain.scene.accelerator
         if accelerator == "brute":
             self._content = None
             self._title("brute force has no tree: choose kdtree or lbvh")
-            return
-        self._content = curtain.tree_content(curtain.scene.view)
+            return True
+        self._content = curtain.tree_content(camera_of(curtain.scene))
         self._name, self.frame = accelerator, curtain.frame
         self.deepest = int(self._content.tree["depth"].max())
         self._stale = True
+        return True
 
     def look_as(self, camera: Camera) -> None:
         """The curtain's eye has moved."""
@@ -115,7 +113,7 @@ class TreeWindow:
 
     def work(self, seconds: float) -> None:
         """Draw for about so long; the picture is shown once it is complete."""
-        until = time.perf_counter() + seconds
+        until = now() + seconds
         try:
             while True:
                 if self._plan is None:
@@ -128,7 +126,7 @@ class TreeWindow:
                         return
                 next(self._plan)
                 self._host.ctx.finish()
-                if time.perf_counter() >= until:
+                if now() >= until:
                     return
         except StopIteration:
             self._plan = None
@@ -156,9 +154,8 @@ class TreeWindow:
         self._shown = True
         if self._picture.texture is None:
             return
-        self._side.texture = self._picture.texture
-        self._side.version += 1
-        code = self._screen.encode(0, [self._side], Look())
+        self._side.show(self._picture.texture)
+        code = self._screen.encode(0, [self._side], Look()).texture
         self._host.ctx.finish()
         glfw.make_context_current(self.window)
         try:
@@ -166,17 +163,15 @@ class TreeWindow:
             GL.glBindFramebuffer(GL.GL_READ_FRAMEBUFFER, self._framebuffer)
             GL.glFramebufferTexture2D(GL.GL_READ_FRAMEBUFFER, GL.GL_COLOR_ATTACHMENT0, GL.GL_TEXTURE_2D, code.glo, 0)
             GL.glBindFramebuffer(GL.GL_DRAW_FRAMEBUFFER, 0)
-            exact = code.size == tuple(size)
-            GL.glBlitFramebuffer(
-                0, 0, *code.size, 0, 0, *size, GL.GL_COLOR_BUFFER_BIT, GL.GL_NEAREST if exact else GL.GL_LINEAR
-            )
+            filter = GL.GL_NEAREST if code.size == tuple(size) else GL.GL_LINEAR
+            GL.glBlitFramebuffer(0, 0, *code.size, 0, 0, *size, GL.GL_COLOR_BUFFER_BIT, filter)
             glfw.swap_buffers(self.window)
         finally:
             glfw.make_context_current(self._host.window)
 
     def pixels(self) -> np.ndarray:
         """The picture as it is shown: uint8 [H, W, 3], top row first."""
-        code = self._screen.encode(0, [self._side], Look())
+        code = self._screen.encode(0, [self._side], Look()).texture
         return np.frombuffer(code.read(), "u1").reshape(code.height, code.width, 4)[::-1, :, :3].copy()
 
     # -- mouse and keys ----------------------------------------------------------------------------------------------
@@ -227,7 +222,7 @@ class TreeWindow:
         elif key == glfw.KEY_ESCAPE:
             glfw.set_window_should_close(self.window, True)
         else:
-            self._typed((glfw.get_key_name(key, scancode) or "").lower(), key, mods, action == glfw.REPEAT)
+            self._host.type(key, scancode, action, mods)
 
     def close(self) -> None:
         """Free everything and close the window."""

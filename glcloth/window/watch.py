@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterable
 from pathlib import Path
 
 from ..files import GLSL
+from .clock import Clock
 
 EVERY = 0.5  # seconds between two looks
 SHADERS = "shaders"
@@ -15,16 +15,14 @@ SHADERS = "shaders"
 class Watcher:
     """Remembers when files were changed; `changed` names those that were since."""
 
-    def __init__(self):
+    def __init__(self, clock: Clock):
+        self._clock = clock
         self._seen: dict[str, float | None] = {}
-        self._next = 0.0
 
     def changed(self, files: Iterable[str]) -> list[str]:
         """The changed ones among `files` (and SHADERS when any shader was); looks at most every EVERY seconds."""
-        now = time.monotonic()
-        if now < self._next:
+        if not self._clock.every(EVERY, "watched"):
             return []
-        self._next = now + EVERY
         stamps = {name: _stamp(Path(name)) for name in files}
         stamps[SHADERS] = max(_stamp(path) or 0.0 for path in GLSL.rglob("*") if path.is_file())
         out = [

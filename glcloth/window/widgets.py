@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ from imgui_bundle import imgui  # isort: skip
 import numpy as np
 
 from ..color import srgb_decode, srgb_encode
+from .actions import Actions
 from .controls import Control
 
 UNITS = {"degrees": "\u00b0", "stops": " stops", "texels": "", "m/s": " m/s", "m": " m", "s": " s"}
@@ -109,9 +111,42 @@ def chooser(label: str, value: str, names: list[str]) -> str | None:
     return chosen
 
 
-def button_if(label: str, enabled: bool) -> bool:
-    """A button that can be pressed only when it would do something."""
-    imgui.begin_disabled(not enabled)
-    pressed = imgui.button(label)
-    imgui.end_disabled()
-    return pressed
+def buttons(*row: tuple[str, Callable[[], object], bool], small: bool = False) -> None:
+    """A row of buttons: what stands on each, what it does, and whether it would do something."""
+    for number, (label, action, enabled) in enumerate(row):
+        if number:
+            imgui.same_line()
+        imgui.begin_disabled(not enabled)
+        pressed = (imgui.small_button if small else imgui.button)(label)
+        imgui.end_disabled()
+        if pressed:
+            action()
+
+
+class Panel:
+    """A part of the panels: draws controls, and turns what is done in them into edits."""
+
+    def __init__(self, actions: Actions):
+        self.actions, self.session = actions, actions.session
+        self.attempt = actions.attempt
+
+    def field(
+        self,
+        item: Control,
+        holder: Any,
+        edit: Callable[..., None],
+        gesture: str,
+        origin: Any = None,
+        high: float | None = None,
+    ) -> None:
+        """The control of a field of `holder`; `edit(gesture, **changes)` takes what is done.
+
+        origin : what a reset goes back to, if there is one; high : narrows the range
+        """
+        value = getattr(holder, item.name)
+        changed, new = control(item, value, high, self.actions.layout.scale)
+        if changed:
+            self.attempt(edit, gesture, **{item.name: new})
+        first = value if origin is None else getattr(origin, item.name)
+        if value != first and reset(item.name):
+            self.attempt(edit, None, **{item.name: first})

@@ -1,4 +1,4 @@
-// Numbers that everything needs.
+// Common numbers.
 const float PI = 3.14159265358979323846;
 
 // [own] x^5 by three multiplications; pow(x, 5.0) costs five times as much and is undefined at x < 0.

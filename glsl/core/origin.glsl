@@ -10,7 +10,7 @@ vec3 barycentric(vec3 x, vec3 a, vec3 b, vec3 c) {
     return vec3(1.0 - v - w, v, w);
 }
 
-// [Hanika 2021]  The point of a triangle lifted to the curved surface that its corners' normals tell of: no ray above
+// [Hanika 2021]  The point of a triangle lifted to the curved surface that its corners' normals describe: no ray above
 // the smooth horizon then meets a neighbouring triangle that the curved surface would not have there.
 vec3 lifted(vec3 x, vec3 weights, vec3 a, vec3 b, vec3 c, vec3 n_a, vec3 n_b, vec3 n_c) {
     return x - weights.x * min(dot(x - a, n_a), 0.0) * n_a - weights.y * min(dot(x - b, n_b), 0.0) * n_b

@@ -12,6 +12,12 @@ vec3 facing_normal(vec3 N, vec3 omega_o, float least) {
     return across * sqrt((1.0 - least * least) / length_2) + least * omega_o;
 }
 
+// [own]  The direction d mirrored at the smooth normal, or at the geometric one N_g where that would go into the surface.
+vec3 mirrored_direction(vec3 d, vec3 N, vec3 N_g) {
+    vec3 r = reflect(d, N);
+    return dot(r, N_g) > 0.0 ? r : reflect(d, N_g);
+}
+
 // [own]  The unit part of v that is perpendicular to the unit vector N; any perpendicular where v is along N or zero.
 vec3 orthogonal_part(vec3 v, vec3 N) {
     vec3 x = v - dot(v, N) * N;

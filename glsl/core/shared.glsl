@@ -15,7 +15,7 @@ struct Yarn {
     float a;        // share of the weave's area
 };
 
-// One distinct tangent of a yarn, and what it counts for.   [Miz 6, erratum E7]
+// One distinct tangent of a yarn, and its weights.   [Miz 6, erratum E7]
 struct Tangent {
     float cos_tilt;
     float sin_tilt;

@@ -7,8 +7,8 @@ int bucket(vec3 cell, int size) {
     return ((int(cell.x) * 73856093) ^ (int(cell.y) * 19349663) ^ (int(cell.z) * 83492791)) & (size - 1);
 }
 
-// [own] What one particle at p_0 does about another at p_1 nearer than `gap`: its share w_0 / (w_0 + w_1) of the push
-// that parts them, less friction against the difference `slide` of their motions in this substep (p_0's less p_1's).
+// [own] The motion of one particle at p_0 away from another at p_1 nearer than `gap`: its share w_0 / (w_0 + w_1) of the
+// push that parts them, less friction against the difference `slide` of their motions in this substep (p_0's less p_1's).
 // Zero beyond the gap, and when the two coincide (no direction) or neither can move.
 vec3 part(vec3 p_0, vec3 p_1, float w_0, float w_1, float gap, vec3 slide, float mu) {
     vec3 e = p_0 - p_1;

@@ -1,3 +1,3 @@
-// What the simulation's passes and glcloth/simulation/cloth.py share; read by glcloth/gpu/layout.py.
+// Constants that the simulation's passes and glcloth/simulation/cloth.py share; glcloth/gpu/layout.py reads them.
 
 const int MAX_NEAR = 64;     // candidates for contact that one vertex can hold

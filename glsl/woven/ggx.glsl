@@ -15,11 +15,6 @@ float D_GGX(vec3 h, float roughness) {
     return r2 / (PI * q * q);
 }
 
-// [Mat 3, errata E5, E10]  G = min(1, 2 cos_nh cos_nv / cos_vh, 2 cos_nh cos_nl / cos_lh): V-shaped cavities, all cosines >= 0
-float G_cavity(float cos_nh, float cos_nl, float cos_nv, float cos_lh, float cos_vh) {
-    return min(1.0, 2.0 * cos_nh * min(cos_nv / max(cos_vh, 1e-12), cos_nl / max(cos_lh, 1e-12)));
-}
-
 // [Walter 2007, Eq. 34]  G_1 = 2 / (1 + sqrt(1 + r^2 tan^2 theta)): Smith's shadowing of GGX toward one direction
 float G_1_smith(vec3 omega, float roughness) {
     float z2 = omega.z * omega.z;

@@ -35,6 +35,13 @@ float f_yarn(vec3 omega_i, vec3 omega_o, float roughness, float eta_1, float eta
     return 0.5 * f_t + 0.5 * f_straight(omega_i, omega_o, roughness_p);
 }
 
+// [Mat 1]  The yarns' term without its absorption: covered k_t f_yarn cos_nl, light from omega_i toward omega_o behind.
+float f_through(vec3 omega_i, vec3 omega_o, float k_t, float rho, float roughness, float eta_1, float eta_2, float diffuse,
+                float roughness_p) {
+    return covered(omega_i, omega_o, rho) * k_t * max(omega_i.z, 0.0)
+           * f_yarn(omega_i, omega_o, roughness, eta_1, eta_2, diffuse, roughness_p);
+}
+
 // [Mat 1]  The part of a ray that goes on straight: k_a T_open + (1 - T_open) k exp(-tau'). For a ray to the eye k = k_t;
 // for a ray to the lamp k = k_t / 2, the half that does not refract.
 vec3 T_sheet(vec3 omega, float k_a, float k, vec3 tau, float rho) {

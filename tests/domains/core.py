@@ -30,6 +30,8 @@ SPECIAL = {
     ("facing_normal", "least"): between(0.02, 0.1),
     ("pow5", "x"): between(-2.0, 2.0, 0.0, 1.0),
     ("orthogonal_part", "v"): vectors(1.0),
+    ("mirrored_direction", "d"): directions,
+    ("mirrored_direction", "N_g"): directions,
     # At the poles themselves u has no value.
     ("uv_from_direction", "omega"): directions,
     ("to_disk", "omega"): above_horizon,

@@ -4,7 +4,7 @@ import numpy as np
 
 from glcloth.twins.visibility import packed_sums
 
-from . import between, choice, directions, directions_and_axes, vectors
+from . import above_horizon, between, choice, directions, directions_and_axes, vectors, woven
 
 
 def low_corner(rng, count):
@@ -25,6 +25,11 @@ def near(rng, count):
     return v
 
 
+def straight_parts(rng, count):
+    """What passes through yarns and holes, some of it 0."""
+    return rng.random((count, 4)) * (rng.random((count, 4)) < 0.8)
+
+
 def sum_words(rng, count):
     """Words of `packed_sums`."""
     there = 10.0 ** rng.uniform(-6, 3, (count, 4))
@@ -32,6 +37,10 @@ def sum_words(rng, count):
 
 
 DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}
+DOMAINS |= {
+    name: woven.DOMAINS[name]
+    for name in ("roughness", "roughness_p", "eta_1", "eta_2", "rho", "k_a", "k_t", "diffuse", "tau")
+}
 SPECIAL = {
     ("band_shares", "z"): between(-1.0, 1.0, 0.0, 0.4),
     ("from_bands", "low"): lambda rng, count: rng.random((count, 4)),
@@ -66,6 +75,12 @@ SPECIAL = {
     ("cosine_direction", "u"): lambda rng, count: rng.random((count, 2)),
     ("facet_direction", "u"): lambda rng, count: 0.999 * rng.random((count, 2)),
     ("facet_direction", "roughness"): between(0.05, 1.0),
+    ("largest", "v"): vectors(1.0),
+    **{(name, "parts"): straight_parts for name in ("hole_chance", "drawn_weight")},
+    ("drawn_weight", "hole"): choice(0, 1),
+    **{(name, "omega_o"): woven.off_horizon(above_horizon) for name in ("straight_parts", "yarn_direction")},
+    ("yarn_direction", "u"): lambda rng, count: 0.999 * rng.random((count, 2)),
+    ("yarn_direction", "part"): lambda rng, count: rng.random(count),
     ("edge_function", "p"): lambda rng, count: rng.normal(size=(count, 2)),
     ("edge_function", "q"): lambda rng, count: rng.normal(size=(count, 2)),
     ("hit_triangle", "a"): near,
@@ -110,6 +125,10 @@ SPECIAL = {
     ("clipped_box", "side"): choice(-1.0, 1.0),
 }
 TOLERANCE = {
+    # As T_sheet of glsl/woven.
+    "straight_parts": (3e-5, 1e-5),
+    # The root of a difference at the critical angle.
+    "yarn_direction": (3e-4, 3e-4),
     # Words are compared as numbers: the last bit of a share.
     "packed_sums": (0.0, 1.0),  # units in the last place of each half
     # 1 / d is up to 1e3, and low - o cancels to 1e-7.

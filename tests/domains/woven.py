@@ -38,11 +38,11 @@ DOMAINS = {
     "diffuse": between(0.0, 1.0),
     "tau": lambda rng, count: rng.uniform(0, 3, (count, 3)),
     "h": above_horizon,
-    **{name: between(0.0, 1.0) for name in ("cos_nh", "cos_nl", "cos_nv", "cos_lh", "cos_vh")},
+    "cos_lh": between(0.0, 1.0),
 }
 SPECIAL = {
-    **{(name, "omega_i"): off_horizon(above_horizon) for name in ("f_GGX", "f_straight", "f_yarn", "h_t")},
-    **{(name, "omega_o"): off_horizon(below_horizon) for name in ("f_GGX", "f_straight", "f_yarn", "h_t")},
+    **{(name, "omega_i"): off_horizon(above_horizon) for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "h_t")},
+    **{(name, "omega_o"): off_horizon(below_horizon) for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "h_t")},
     **{(name, "omega"): off_horizon(directions) for name in ("T_open", "T_sheet", "R_sheet", "G_1_smith")},
     **{(name, o): off_horizon(directions) for name in ("covered", "absorption") for o in ("omega_i", "omega_o")},
 }
@@ -51,6 +51,7 @@ TOLERANCE = {
     # vectors: either loses three digits of the seven.
     "f_GGX": (3e-4, 1e-6),
     "f_yarn": (3e-4, 1e-6),
+    "f_through": (3e-4, 1e-6),
     # Rounding of q is divided by the cosine, 0.01 at least.
     "T_open": (3e-5, 1e-5),
     "covered": (3e-5, 1e-5),

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from glcloth import cli
-from glcloth.geometry.mesh import build_mesh, load_mesh, save_mesh
+from glcloth.geometry.mesh import build_mesh
+from glcloth.geometry.mesh_files import load_mesh, save_mesh
 from glcloth.image import read_image, read_settings, write_image
 from glcloth.picture.renderer import Renderer
 

@@ -61,6 +61,31 @@ def test_imports_point_down(path):
             assert ROWS[other] < ROWS[name], f"{name} (row {ROWS[name]}) imports {other} (row {ROWS[other]})"
 
 
+def neighbours(path):
+    """Names of the files of its own folder that a file imports, wherever in it."""
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.level == 1:
+            yield from [node.module.split(".")[0]] if node.module else [alias.name for alias in node.names]
+
+
+@pytest.mark.parametrize("room", sorted({p.parent for p in MODULES}), ids=lambda p: p.name)
+def test_no_circle_of_imports_in_a_room(room):
+    imported = {p.stem: set(neighbours(p)) for p in room.glob("*.py") if p.stem != "__init__"}
+    while free := [name for name, others in imported.items() if not others & imported.keys()]:
+        for name in free:
+            del imported[name]
+    assert not imported, f"these import each other, or what does: {imported}"
+
+
+def test_nothing_imports_the_window_itself():
+    """App composes; whoever needs something of it is to be handed that."""
+    for path in MODULES:
+        if path.relative_to(PACKAGE).as_posix() == "window/__init__.py":
+            continue
+        assert path.parent.name != "window" or "app" not in set(neighbours(path)), path
+        assert not re.search(r"window(\.app\b| import .*\bapp\b)", path.read_text(encoding="utf-8")), path
+
+
 @pytest.mark.parametrize("path", sorted((PACKAGE / "twins").glob("*.py")), ids=lambda p: p.stem)
 def test_twins_import_only_numpy(path):
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

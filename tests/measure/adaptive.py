@@ -1,30 +1,22 @@
-"""What the adaptive rate adds in error, and how many pixels it shades; the last table of docs/direct.md.
+"""What the adaptive rate adds in error, and how many pixels it shades; a table of docs/direct.md.
 
-python tests/measure/adaptive.py [ENV]  (half a minute; env "studio" unless named)
+python tests/measure/adaptive.py [ENV] [--size 640x480]  (half a minute; env "studio" unless named)
 """
 
-import sys
-
+import common
 import numpy as np
 
+import glcloth
 from glcloth.color import luminance
-from glcloth.picture.renderer import Renderer
 
-with Renderer() as renderer:
-    for fabric in ("linen", "silk_crepe_de_chine", "satin_charmeuse_front", "velvet"):
-        pictures = [
-            renderer.render(
-                fabric=fabric,
-                mesh="drape",
-                env=(sys.argv[1:] or ["studio"])[0],
-                size=(640, 480),
-                background=False,
-                adaptive=adaptive,
-            )
-            for adaptive in (False, True)
-        ]
-        covered = pictures[0][..., 3] > 0
-        full, fast = (luminance(picture[..., :3])[covered] for picture in pictures)
+options = common.options(__doc__, ["studio"], size="640x480")
+common.head("fabric", "shaded beyond one in four", "mean / 95 % / 99 % / largest error, %")
+with glcloth.Renderer() as renderer:
+    for fabric in [*common.FABRICS, "velvet"]:
+        scene = dict(fabric=fabric, mesh="drape", env=options.environments[0], size=options.size, background=False)
+        full, fast = (renderer.render(adaptive=adaptive, **scene) for adaptive in (False, True))
+        covered = full[..., 3] > 0
+        full, fast = (luminance(picture[..., :3])[covered] for picture in (full, fast))
         error = 100 * np.abs(fast / full - 1)
         levels = " / ".join(f"{v:.2f}" for v in (error.mean(), *np.percentile(error, (95, 99)), error.max()))
-        print(f"| {fabric} | {100 * renderer._adaptive.shaded() / covered.sum():.0f} % | {levels} |", flush=True)
+        common.row(fabric, f"{100 * renderer.stage.cloths[0]._adaptive.shaded() / covered.sum():.0f} %", levels)

@@ -1,15 +1,13 @@
-"""Measure the band weights of glcloth/light/bands.py: `python tests/measure/bands.py [FRAMES] [FABRIC...]`.
+"""The band weights of glcloth/light/bands.py: `python tests/measure/bands.py [--frames 200] [--fabrics a,b]`.
 
 For random frames and views the cloth's kernel K(omega_i) is sampled on 512 x 256 directions and transformed:
 b_l = sqrt(Q_l / Q_0) with Q_l = mean of sum_m K_lm^2 / (2 l + 1), K being luminance under white light.
 """
 
-import sys
-
 import numpy as np
-from direct_cases import LUMINANCE
 from scipy.spatial.transform import Rotation
 
+from glcloth.color import luminance
 from glcloth.fabric import builtin_fabrics, load_fabric
 from glcloth.light import equirect, harmonics
 from glcloth.twins.cloth import f_cloth
@@ -37,18 +35,17 @@ def kernel(cloth, surface_from_world, omega_o, directions):
 
 def power_of(K):
     """sum_m K_lm^2 / (2 l + 1) [l_max + 1] of a kernel [HEIGHT 2 HEIGHT, 3]."""
-    power = harmonics.power(harmonics.transform(K.reshape(HEIGHT, 2 * HEIGHT, 3)) @ LUMINANCE)
+    power = harmonics.power(luminance(harmonics.transform(K.reshape(HEIGHT, 2 * HEIGHT, 3))))
     return power / (2 * np.arange(len(power)) + 1)
 
 
-def main():
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else 200
-    directions = equirect.texel_directions(HEIGHT, 2 * HEIGHT).reshape(-1, 3)
-    for name in sys.argv[2:] or builtin_fabrics():
-        cloth = load_fabric(name).arrays()
-        Q = sum(power_of(kernel(cloth, *frame, directions)) for frame in zip(*random_frames(count), strict=True))
-        print(name, np.round(np.sqrt(Q / Q[0]), 4).tolist(), flush=True)
-
-
 if __name__ == "__main__":
-    main()
+    import common
+
+    options = common.options(__doc__, frames=200, fabrics=builtin_fabrics())
+    directions = equirect.texel_directions(HEIGHT, 2 * HEIGHT).reshape(-1, 3)
+    for name in options.fabrics:
+        cloth = load_fabric(name).arrays()
+        frames = zip(*random_frames(options.frames), strict=True)
+        Q = sum(power_of(kernel(cloth, *frame, directions)) for frame in frames)
+        print(name, np.round(np.sqrt(Q / Q[0]), 4).tolist(), flush=True)

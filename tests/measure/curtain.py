@@ -9,8 +9,8 @@ python tests/measure/curtain.py series FILE.png    the curtain over roughness, t
 """
 
 import sys
-from dataclasses import replace
 
+import common
 import curtain_scenes as scenes
 import numpy as np
 
@@ -19,23 +19,31 @@ from glcloth.accel.kdtree import CONSTANTS, KdTree
 from glcloth.accel.queries import RayQueries
 from glcloth.accel.structure import make_structure
 from glcloth.accel.triangles import Triangles
-from glcloth.curtain.show import CurtainScene, CurtainShow, bench_curtain
+from glcloth.bench.curtain import bench_curtain
+from glcloth.curtain.show import CurtainShow, camera_of
 from glcloth.fabric import load_fabric
 from glcloth.gpu.context import create_context
 from glcloth.image import write_image
+from glcloth.scene import CurtainParameters, Scene
 from glcloth.twins import kdtree as exact
 from glcloth.twins import sheet
 
 FABRICS = ("sheer_voile", "lace", "linen_curtain", "blackout")
 RAYS = 100_000
+RESULTS = ("triangles", "sim_ms", "build_ms", "trace_ms", "fps", "nodes", "depth", "sah", "steps_per_ray")
+RESULTS += ("tests_per_ray", "primary_rays_per_second", "build_stages_ms")
+
+
+def camera_rays(view, n):
+    """n x n rays (o, d) of a camera."""
+    x, y = np.meshgrid(np.arange(n) + 0.5, np.arange(n) + 0.5)
+    d = np.stack([x, y, np.ones_like(x)], -1).reshape(-1, 3) @ view.ray_from_pixel((n, n)).T
+    return np.broadcast_to(view.eye, d.shape), d
 
 
 def rays_of(positions, view, seed):
     """Half of them a camera's, half random ones through the scene and about it."""
-    n = round((RAYS // 2) ** 0.5)
-    x, y = np.meshgrid((np.arange(n) + 0.5), (np.arange(n) + 0.5))
-    d = np.stack([x, y, np.ones_like(x)], -1).reshape(-1, 3) @ view.ray_from_pixel((n, n)).T
-    o = np.broadcast_to(view.eye, d.shape)
+    o, d = camera_rays(view, round((RAYS // 2) ** 0.5))
     low, high = positions.min((0, 1)), positions.max((0, 1))
     o_2, d_2 = scenes.random_rays(RAYS - len(d), low - 0.1, high + 0.1, seed=seed)
     return np.concatenate([o, o_2]).astype(np.float32), np.concatenate([d, d_2]).astype(np.float32)
@@ -52,20 +60,18 @@ def compare(ctx, queries, triangles, view, where):
         structure.build(triangles)
         found = queries.closest_hit(structure, o, d)
         reached = len(np.unique(structure.arrays()["triangles"]))
-        print(
-            f"{where:34} {name:7} {triangles.count:6} triangles, {reached} in leaves; {len(o)} rays, {hit.mean():.2f} hit; "
-            f"{(found.t != truth.t).sum()} other t, {(found.triangle != truth.triangle).sum()} other triangles",
-            flush=True,
-        )
+        other = (found.t != truth.t).sum(), (found.triangle != truth.triangle).sum()
+        common.row(where, name, triangles.count, reached, len(o), float(hit.mean()), *other)
         structure.release()
 
 
 def hits(ctx):
     queries = RayQueries(ctx)
-    with CurtainShow(ctx, CurtainScene(size=(320, 320))) as show:
+    common.head("scene", "structure", "triangles", "in leaves", "rays", "share hit", "other t", "other triangle")
+    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), size=(320, 320))) as show:
         for frame in (0, 60):
             show.advance(frame - show.frame)
-            compare(ctx, queries, show.triangles, show.scene.view, f"frame {frame}")
+            compare(ctx, queries, show.triangles, camera_of(show.scene), f"frame {frame}")
             pictures = {}
             for name in ("kdtree", "lbvh", "brute"):
                 show.scene = show.scene.changed(accelerator=name)
@@ -73,7 +79,7 @@ def hits(ctx):
             for name in ("kdtree", "lbvh"):
                 other = (pictures[name] != pictures["brute"]).any(-1).sum()
                 print(f"frame {frame}, 320x320: {other} pixels of {name} differ from brute", flush=True)
-        view = show.scene.view
+        view = camera_of(show.scene)
     for name, soup in scenes.degenerate_scenes().items():
         triangles = Triangles.of(ctx, soup.astype(np.float32))
         compare(ctx, queries, triangles, view, name)
@@ -82,14 +88,16 @@ def hits(ctx):
 
 def cost(ctx):
     """Frames of several curtains, and what a camera ray and a ray from the lamp to what it meets take."""
-    base = CurtainScene().curtain
+    base = CurtainParameters()
+    head = ("curtain", "frame", "pairs of triangles", "SAH cost", "exact", "more", "levels")
+    common.head(*head, "steps, tests of a camera ray", "of a ray from the lamp")
     for name, curtain, frames in (
         ("as it is", base, (0, 24, 48, 72, 100)),
-        ("fullness 1.5", replace(base, fullness=1.5), (0, 48)),
-        ("fullness 2.6", replace(base, fullness=2.6), (0, 48)),
-        ("wind 1 m/s", replace(base, wind=1.0), (48, 100)),
+        ("fullness 1.5", base.changed(fullness=1.5), (0, 48)),
+        ("fullness 2.6", base.changed(fullness=2.6), (0, 48)),
+        ("wind 1 m/s", base.changed(wind=1.0), (48, 100)),
     ):
-        with CurtainShow(ctx, CurtainScene(curtain=curtain)) as show:
+        with CurtainShow(ctx, Scene(curtain=curtain)) as show:
             for frame in frames:
                 show.advance(frame - show.frame)
                 cost_of(ctx, show, name)
@@ -106,46 +114,43 @@ def cost_of(ctx, show, name):
     parts = np.stack([positions[codes >> 1], positions[(codes >> 1) + (codes & 1)]], 1)
     best = exact.sah_cost(exact.build(parts, C_ts), C_ts)
     queries = RayQueries(ctx)
-    x, y = np.meshgrid(np.arange(160) * 2 + 1.0, np.arange(160) * 2 + 1.0)
-    d = np.stack([x, y, np.ones_like(x)], -1).reshape(-1, 3) @ show.scene.view.ray_from_pixel((320, 320)).T
-    hits = queries.closest_hit(tree, np.broadcast_to(show.scene.view.eye, d.shape), d, counted=True)
-    lamp, hit = np.array(show.scene.lamp_position), np.isfinite(hits.t)
-    way = np.array(show.scene.view.eye) + hits.t[hit, None] * d[hit] - lamp
-    lit = queries.closest_hit(tree, np.broadcast_to(lamp, way.shape), way, t_max=0.999, counted=True)
-    print(
-        f"{name:13} frame {show.frame:3}: {len(parts)} parts, cost {got:.2f}, exact {best:.2f}: "
-        f"{100 * (got / best - 1):+.1f} %; levels {tree.large_levels} + {tree.small_levels}; steps, tests of a camera ray "
-        "{:.1f}, {:.1f}; of a ray from the lamp {:.1f}, {:.1f}".format(*hits.work.mean(0), *lit.work.mean(0)),
-        flush=True,
-    )
+    o, d = camera_rays(camera_of(show.scene), 160)
+    hits = queries.closest_hit(tree, o, d, counted=True)
+    hit, lamp = np.isfinite(hits.t), np.array(show.scene.lamp_position)
+    way = o[hit] + hits.t[hit, None] * d[hit] - lamp
+    shadow = queries.closest_hit(tree, np.broadcast_to(lamp, way.shape), way, t_max=0.999, counted=True)
+    work = ["{:.1f}, {:.1f}".format(*rays.work.mean(0)) for rays in (hits, shadow)]
+    levels = f"{tree.large_levels} + {tree.small_levels}"
+    common.row(name, show.frame, len(parts), got, best, f"{100 * (got / best - 1):+.1f} %", levels, *work)
     queries.release()
     tree.release()
 
 
 def growth(ctx, only=""):
+    common.head("structure", *RESULTS)
     for count, frames in ((12_786, 20), (50_000, 7), (200_000, 3)):
         for name in ("kdtree", "lbvh", "brute"):
             if (name == "brute" and count > 12_786) or only not in ("", str(count)):
                 continue
-            scene = CurtainScene(size=(320, 320), accelerator=name)
+            scene = Scene(curtain=CurtainParameters(), size=(320, 320), accelerator=name)
             r = bench_curtain(ctx, scene, frames if name != "brute" else 1, count)
-            cells = [r["triangles"], name, r["sim_ms"], r["build_ms"], r["trace_ms"], r["fps"], r["nodes"], r["depth"]]
-            cells += [r.get("sah", ""), r["steps_per_ray"], r["tests_per_ray"], r.get("primary_rays_per_second", "")]
-            print("| " + " | ".join(str(c) for c in cells) + " |", r["build_stages_ms"], flush=True)
+            common.row(name, *(str(r.get(key, "")) for key in RESULTS))
 
 
 def strain(ctx):
+    common.head("fabric", "longest thread of 126 frames")
     for name in FABRICS:
-        with CurtainShow(ctx, CurtainScene(fabric=name)) as show:
+        with CurtainShow(ctx, Scene(curtain=CurtainParameters(), fabric=name)) as show:
             longest = []
             for _ in range(126):
                 show.simulation.step(1 / 24)
                 longest.append(show.simulation.cloth.strain().max())
-            print(f"{name:16} longest thread of 126 frames: {100 * max(longest):.2f} %", flush=True)
+            common.row(name, f"{100 * max(longest):.2f} %")
 
 
 def light(ctx):
     """Holes, yarns and reflection at normal incidence and over the hemisphere, by quadrature in float64."""
+    common.head("fabric", "degrees", "openness", "holes", "yarns", "together")
     mu = (np.arange(64) + 0.5) / 64
     phi = (np.arange(128) + 0.5) / 128 * 2 * np.pi
     for name in FABRICS:
@@ -161,12 +166,8 @@ def light(ctx):
             f = sheet.f_yarn(every, out, t.roughness, t.eta_1, t.eta_2, t.diffuse, t.roughness_p)
             f = f * sheet.covered(every, out, t.rho)
             yarns = (f[:, None] * sheet.absorption(every, out, tau) * t.k_t * cos[:, None]).mean(0) * 2 * np.pi
-            print(
-                f"{name:16} {degrees:3} degrees: openness {t.openness:.3f}, holes {holes:.3f}, yarns "
-                + "/".join(f"{v:.3f}" for v in yarns)
-                + f", together {holes + yarns.max():.3f}",
-                flush=True,
-            )
+            cells = t.openness, holes, "/".join(f"{v:.3f}" for v in yarns), holes + yarns.max()
+            common.row(name, degrees, *(c if isinstance(c, str) else f"{c:.3f}" for c in cells))
 
 
 def series(ctx, path):
@@ -179,7 +180,7 @@ def series(ctx, path):
         [{"tau": (v, v, v)} for v in (0.0, 0.3, 0.8, 2.0)],
         [{"rho": r, "k_a": t.k_a} for r in (0.9, 0.7, 0.5, 0.3)],
     ]
-    with CurtainShow(ctx, CurtainScene(size=(240, 240), spp=2)) as show:
+    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), size=(240, 240), spp=2)) as show:
         show.advance(30)
         for row in changes:
             pictures = []

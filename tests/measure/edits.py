@@ -1,15 +1,12 @@
-"""How long a frame takes after an edit of the weave, beside the same frame again; a table of docs/direct.md.
+"""How long a frame takes after an edit of the weave, and the same frame again; a table of docs/direct.md.
 
-python tests/measure/edits.py  (half a minute). At full rate, 640x480, drape in the studio.
+python tests/measure/edits.py [--size 640x480] [--times 5]  (half a minute). At full rate, drape in the studio.
 """
 
-import statistics
-import time
+import common
+import numpy as np
 
-from glcloth.fabric import load_fabric
-from glcloth.picture.renderer import Renderer
-
-FRAMES = 5
+import glcloth
 
 
 def edits(fabric, i):
@@ -25,22 +22,16 @@ def edits(fabric, i):
     yield "gamma_s", fabric.changed(yarn=(warp.changed(gamma_s_deg=warp.gamma_s_deg * (1 + 0.01 * i)), weft))
 
 
-with Renderer() as renderer:
-
-    def timed(fabric):
-        frame = renderer.prepare(fabric=fabric, mesh="drape", env="studio", background=False)
-        begin, begin_cpu = time.perf_counter(), time.process_time()
-        renderer.draw(frame)
-        renderer.ctx.finish()
-        return 1000 * (time.perf_counter() - begin), 1000 * (time.process_time() - begin_cpu)
-
-    print("ms wall (CPU), medians of", FRAMES)
+options = common.options(__doc__, size="640x480", times=5)
+common.head("fabric", "edit", "after it: ms wall (CPU)", "again")
+with glcloth.Renderer() as renderer:
     for name in ("linen", "silk_crepe_de_chine"):
-        print(name)
         times = {}
-        for i in range(-1, FRAMES):
-            for what, edited in edits(load_fabric(name), i):
-                times.setdefault(what, []).append((*timed(edited), *timed(edited)))
-        for what, rows in times.items():
-            wall, cpu, wall_again, cpu_again = (statistics.median(column) for column in zip(*rows[1:], strict=True))
-            print(f"    {what:22} after the edit {wall:.0f} ({cpu:.0f}), again {wall_again:.0f} ({cpu_again:.0f})")
+        for i in range(-1, options.times):
+            for kind, edited in edits(glcloth.load_fabric(name), i):
+                frames = [renderer.prepare(fabric=edited, size=options.size, background=False) for _ in range(2)]
+                spent = [common.spent(renderer, lambda frame=frame: renderer.draw(frame)) for frame in frames]
+                times.setdefault(kind, []).append(spent)
+        for kind, rows in times.items():
+            after, again = np.median(rows[1:], 0)  # the first compiles
+            common.row(name, kind, *("{:.0f} ({:.0f})".format(*pair) for pair in (after, again)))

@@ -7,23 +7,23 @@ camera, the sum of the Gaussians as an environment map, the suns as directional 
 three times as many pixels a side, of which the middle one of nine is where a sample of ours lies. Two rows per
 environment: direct light, and direct light with one bounce. Printed, of the pixels that see cloth, in % of the mean
 of Mitsuba's picture: the mean of |difference| of luminance, the difference of the means, the noise that Mitsuba's
-picture still has (from its two halves), and the 95th percentile of |difference|; and FLIP. Strips ours | Mitsuba |
-difference x 8 are written.
+picture still has (from its two halves), and the 95th percentile of |difference|; and FLIP. Strips
+ours | Mitsuba | difference x 8 are written.
 """
 
-import argparse
 import sys
 import tempfile
 from pathlib import Path
 
+import common
 import numpy as np
 from lambertian import LambertianReference
 
 import glcloth
 from glcloth.color import luminance
-from glcloth.geometry.mesh import load_mesh, save_mesh
+from glcloth.geometry.mesh_files import load_mesh, save_mesh
 from glcloth.light.environment import direction_from_uv
-from glcloth.metrics import difference, flip
+from glcloth.metrics import flip
 from glcloth.progress import track
 
 ALBEDO = (0.6, 0.5, 0.3)
@@ -83,57 +83,47 @@ def mitsuba_picture(mi, scene, max_depth, spp, what):
     return np.stack(pictures)[:, FINER // 2 :: FINER, FINER // 2 :: FINER, :3]
 
 
-def row(name, ours, halves, covered):
-    """One line of the table."""
+def errors(ours, halves, covered):
+    """The numbers of one row."""
     theirs = halves.mean(0)
     a, b = luminance(ours[covered].astype(float)), luminance(theirs[covered])
     noise = np.abs(luminance(halves[0][covered]) - luminance(halves[1][covered])).mean() / 2
     apart = np.abs(a - b)
     values = np.array([apart.mean(), a.mean() - b.mean(), noise, np.percentile(apart, 95)])
-    line = "".join(f"{v:9.2f}" for v in 100 * values / b.mean())
-    print(f"{name:40}{line}{flip(ours, theirs.astype(np.float32)):9.4f}", flush=True)
+    return [*(float(v) for v in 100 * values / b.mean()), f"{flip(ours, theirs.astype(np.float32)):.4f}"]
+
+
+def measure(mi, renderer, mesh, mesh_file, environment, options):
+    base = dict(env=environment, size=options.size, background=False, method="reference", cube=options.cube)
+    for light, max_depth, bounce in (("direct", 2, False), ("direct and one bounce", 3, True)):
+        frame = renderer.prepare(mesh=mesh, shadows="full", bounce=bounce, **base)
+        picture = renderer.render_frame(frame)
+        ours, covered = picture[..., :3], picture[..., 3] > 0
+        scene = mitsuba_scene(mi, mesh_file, frame.camera, frame.scene.size, frame.lights, options.spp)
+        halves = mitsuba_picture(mi, scene, max_depth, options.spp, f"Mitsuba, {light}: samples")
+        common.row(f"{Path(environment).name}, {light}", *errors(ours, halves, covered))
+        theirs = halves.mean(0).astype(np.float32) * covered[..., None]
+        common.write_strip(options.out / f"{Path(environment).stem}-{max_depth - 2}.png", ours, theirs)
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("environments", nargs="*", default=["studio", "sky"])
-    parser.add_argument("--mesh", default="drape")
-    parser.add_argument("--size", default="80x60")
-    parser.add_argument("--cube", type=int, default=32)
-    parser.add_argument("--spp", type=int, default=256, help="samples a pixel of each half of Mitsuba's picture")
-    parser.add_argument("--flat", action="store_true", help="our rays start on the flat triangles too")
-    parser.add_argument("--out", type=Path, default=Path("out/mitsuba"))
-    options = parser.parse_args()
+    options = common.options(
+        __doc__, ["studio", "sky"], mesh="drape", size="80x60", cube=32, spp=256, flat=False, out=Path("out/mitsuba")
+    )
     try:
         import mitsuba as mi
 
         mi.set_variant("scalar_rgb")
     except ImportError as error:
-        sys.exit(f"measure_mitsuba: skipped, Mitsuba 3 is not usable here ({error}); pip install 'glcloth[check]'")
-    options.out.mkdir(parents=True, exist_ok=True)
+        sys.exit(f"mitsuba.py: skipped, Mitsuba 3 is not usable here ({error}); pip install 'glcloth[check]'")
     mesh = load_mesh(options.mesh)
-    print(f"{'environment, light':40}   mean %   bias %  noise %   95 %     FLIP")
+    common.head("environment, light", "mean", "bias", "noise", "95 %", "FLIP")
     with glcloth.Renderer() as renderer, tempfile.TemporaryDirectory() as folder:
-        renderer._methods["reference"] = LambertianReference(renderer.ctx, ALBEDO, options.flat)
+        common.set_method(renderer, "reference", LambertianReference(renderer.ctx, ALBEDO, options.flat))
         mesh_file = Path(folder) / "mesh.ply"
         save_mesh(mesh_file, mesh)
         for environment in options.environments:
-            base = dict(env=environment, size=options.size, background=False, method="reference", cube=options.cube)
-            for light, max_depth, changes in (
-                ("direct", 2, {"shadows": "full", "bounce": False}),
-                ("direct and one bounce", 3, {"shadows": "full"}),
-            ):
-                frame = renderer.prepare(mesh=mesh, **base, **changes)
-                picture = renderer.render_frame(frame)
-                ours, covered = picture[..., :3], picture[..., 3] > 0
-                scene = mitsuba_scene(mi, mesh_file, frame.camera, frame.scene.size, frame.lights, options.spp)
-                what = f"Mitsuba, {light}: samples"
-                halves = mitsuba_picture(mi, scene, max_depth, options.spp, what)
-                row(f"{Path(environment).name}, {light}", ours, halves, covered)
-                theirs = halves.mean(0).astype(np.float32) * covered[..., None]
-                strip = np.hstack([ours, theirs, difference(ours, theirs, 8)])
-                glcloth.write_image(options.out / f"{Path(environment).stem}-{max_depth - 2}.png", strip)
+            measure(mi, renderer, mesh, mesh_file, environment, options)
 
 
-if __name__ == "__main__":
-    main()
+main()

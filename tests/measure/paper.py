@@ -1,25 +1,24 @@
-"""How close method `paper` comes to its own split and to the truth, on the golden samples; the figures of
-docs/paper.md.  python tests/measure/paper.py [SHARED]  (4 to 10 minutes)
+"""How close method `paper` comes to its own split and to the truth on the golden samples; a table of docs/paper.md.
+
+python tests/measure/paper.py [--samples 60]  (4 to 10 minutes)
+
+Printed: median / 95 % / largest relative error of luminance, in %.
 """
 
-import sys
-from pathlib import Path
-
+import common
 import numpy as np
 from golden import golden_fabrics, luminance_errors
 
+import glcloth
 from glcloth.light.lights import SphericalGaussians
-from glcloth.picture.renderer import Renderer
 from glcloth.twins.convolution import T_W
 from glcloth.twins.frame import tangent_from_surface
 
-SHARED = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).resolve().parents[3] / "shared")
 
-
-def split(data, fabrics, suffix):
+def split(data, fabrics, suffix, count):
     """T times I [S, 3], T exact by quadrature and I the golden kt_Is, kt_Iv + suffix, in the fabrics' normalisation."""
-    L = np.zeros((len(data["wo"]), 3))
-    for s, omega_o in enumerate(data["wo"]):
+    L = np.zeros((count, 3))
+    for s, omega_o in enumerate(data["wo"][:count]):
         f = int(data["fabric"][s])
         fabric = fabrics[f]
         rows = list(zip(data["tan_yarn"][f], np.round(data["tan_tilt"][f], 6), strict=True))
@@ -36,34 +35,25 @@ def split(data, fabrics, suffix):
     return L
 
 
-def line(got, expected):
-    errors = 100 * luminance_errors(got, expected)
-    return " / ".join(f"{np.percentile(errors, q):.2f}" for q in (50, 95, 100))
+def radiance(renderer, data, fabrics, s, **settings):
+    """Sample s by method `paper`."""
+    lights = SphericalGaussians(data["xi"][s], data["kappa"][s], data["L_k"][s])
+    fabric = fabrics[int(data["fabric"][s])]
+    return renderer.radiance(fabric, data["wo"][s][None], lights, method="paper", **settings)[0]
 
 
-data = np.load(SHARED / "golden" / "microcylinder.npz")
-with Renderer() as renderer:
-    for normalization, truth in (("paper", "L_ref"), ("sadeghi", "L_ref_sadeghi")):
-        fabrics = golden_fabrics(data, normalization)
-        exact = {segments: split(data, fabrics, f"_paper{segments}") for segments in (6, 16)}
-        both = split(data, fabrics, "")
-        print(f"{normalization}: median / 95 % / max relative error of luminance, in %")
-        print(f"  T x I, both exact, against the truth: {line(both, data[truth])}")
+count = common.options(__doc__, samples=60).samples
+data = common.golden()
+common.head("normalisation, T, segments", "T x I, both exact", "exact T, these segments", "truth")
+with glcloth.Renderer() as renderer:
+    for normalization, key in (("paper", "L_ref"), ("sadeghi", "L_ref_sadeghi")):
+        fabrics, truth = golden_fabrics(data, normalization), data[key][:count]
+        exact = {segments: split(data, fabrics, f"_paper{segments}", count) for segments in (6, 16)}
+        both = split(data, fabrics, "", count)
+        common.row(f"{normalization}, T x I, both exact", "", "", common.spread(luminance_errors(both, truth)))
         for contribution in (0.9, 0.999):
             for segments in (6, 16):
-                got = [
-                    renderer.radiance(
-                        fabrics[int(data["fabric"][s])],
-                        data["wo"][s][None],
-                        SphericalGaussians(data["xi"][s], data["kappa"][s], data["L_k"][s]),
-                        method="paper",
-                        segments=segments,
-                        contribution=contribution,
-                    )[0]
-                    for s in range(len(data["wo"]))
-                ]
-                print(
-                    f"  {100 * contribution:g} %, {segments} segments: against T x I, both exact {line(got, both)}; "
-                    f"exact T, {segments} segments {line(got, exact[segments])}; the truth {line(got, data[truth])}",
-                    flush=True,
-                )
+                settings = dict(segments=segments, contribution=contribution)
+                got = [radiance(renderer, data, fabrics, s, **settings) for s in range(len(truth))]
+                errors = [common.spread(luminance_errors(got, e)) for e in (both, exact[segments], truth)]
+                common.row(f"{normalization}, {100 * contribution:g} %, {segments}", *errors)

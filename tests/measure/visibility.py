@@ -9,11 +9,10 @@ method `direct` has (also from its 256 directions alone); or one for each Gaussi
 the mean of |difference| and the difference of the means over the mean, median and 95th percentile of the relative error.
 """
 
-import argparse
 from pathlib import Path
 
+import common
 import numpy as np
-from test_truth import model
 
 import glcloth
 from glcloth.accel.queries import RayQueries
@@ -53,92 +52,80 @@ def with_gradient(V, w, D):
     return np.clip(mean + d @ slope, 0.0, 1.0)
 
 
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("environments", nargs="+")
-    parser.add_argument("--fabrics", default="linen,silk_crepe_de_chine,satin_charmeuse_front")
-    parser.add_argument("--size", default="120x90")
-    parser.add_argument("--cube", type=int, default=16)
-    parser.add_argument("--every", type=int, default=16)
-    options = parser.parse_args()
-    D, omega_w, solid_angle = (
-        world_directions(256),
-        cubemap.directions(options.cube),
-        cubemap.solid_angles(options.cube),
-    )
-    shares, quadratic = cube_shares(omega_w), quadratics(omega_w)
-    print(f"{'environment, fabric, V':70}   mean %   bias %  median     95 %")
-    with glcloth.Renderer() as renderer:
-        queries = RayQueries(renderer.ctx)
-        for environment in options.environments:
-            base = dict(env=environment, size=options.size, background=False, shadows="off")
-            frame = renderer.prepare(**base)
-            renderer.draw(frame)
-            buffer, (width, height) = renderer.gbuffer, frame.scene.size
-            structure = renderer.occluders(frame.mesh)
-            N, x, p = (
-                np.frombuffer(t.read(), "f4").reshape(height, width, 4).astype(float)
-                for t in (buffer.frame_N, buffer.frame_x, buffer.frame_p)
-            )
-            places = np.argwhere(N[..., 3] != 0)[:: options.every]
-            seen = [
-                [~queries.any_hit(structure, np.repeat(p[i, j, None, :3], len(d), 0), d) for i, j in places]
-                for d in (omega_w, D)
-            ]
-            g = frame.lights.gaussians
-            flux = [
-                cubemap.average_gaussians(
-                    g.axis[k : k + 1], g.sharpness[k : k + 1], g.amplitude[k : k + 1], options.cube
-                )
-                for k in range(len(g))
-            ]
-            flux = np.array(flux) * solid_angle[:, None]
-            total = luminance(flux.sum(0))
-            light = total / total.sum() * 4 * np.pi / solid_angle + 0.02
-            light_256 = luminance(g.radiance(D))
-            light_256 = light_256 / light_256.mean() + 0.02
-            for fabric in options.fabrics.split(","):
-                description = model(glcloth.load_fabric(fabric))
-                rows = {}
-                for (i, j), V, V_256 in zip(places, *seen, strict=True):
-                    n, t = N[i, j, :3], x[i, j, :3]
-                    to_surface = np.stack([t, N[i, j, 3] * np.cross(n, t), n])
-                    ray = buffer.ray_from_pixel @ [j + 0.5, i + 0.5, 1.0]
-                    omega_o = to_surface @ (-ray / np.linalg.norm(ray))
-                    omega = omega_w @ to_surface.T
-                    weights = luminance(flux * cloth.f_cloth(omega, omega_o[None], *description))
-                    flat, V = flat_weight(omega[:, 2]), V.astype(float)
-                    here = np.append(t, N[i, j, 3])
-                    of_each = luminance(flux) * flat
-                    of_cosine = luminance(flux) * np.maximum(omega[:, 2], 0.0)
-                    w = solid_angle * light * flat
-                    normal = (quadratic * w[:, None]).T @ quadratic
-                    fitted = np.linalg.solve(normal + 0.002 * np.trace(normal) * np.eye(9), quadratic.T @ (w * V))
-                    six = (w * V) @ shares + 1e-4 * w.sum()
-                    six /= w @ shares + 1e-4 * w.sum()
-                    narrowed = np.minimum(g.sharpness, 64.0)
-                    tables = np.exp(narrowed[:, None] * (g.axis @ omega_w.T - 1.0)) * solid_angle * flat
-                    for name, value in {
-                        "truth": V,
-                        "no shadows": 1.0,
-                        "one for each, flat": (of_each @ V / np.maximum(of_each.sum(1), 1e-30))[:, None],
-                        "one for each, by the cosine": (of_cosine @ V / np.maximum(of_cosine.sum(1), 1e-30))[:, None],
-                        "of all, six means of the world": shares @ six,
-                        "of all, best quadratic": np.clip(quadratic @ fitted, 0.0, 1.0),
-                        "of all, nine parts": nine_parts(V, n, here, omega_w, solid_angle * light, omega),
-                        "of all, nine parts, 256 directions": nine_parts(V_256, n, here, D, light_256, omega),
-                        "one for each, with a gradient": np.array([with_gradient(V, k, omega_w) for k in tables]),
-                    }.items():
-                        rows.setdefault(name, []).append((weights * value).sum())
-                truth = np.array(rows.pop("truth"))
-                for name, values in rows.items():
-                    apart = np.array(values) - truth
-                    relative = np.abs(apart) / truth
-                    line = [np.abs(apart).mean() / truth.mean(), apart.mean() / truth.mean()]
-                    line += [np.median(relative), np.percentile(relative, 95)]
-                    where = f"{Path(environment).stem}-{fabric}, {name}"
-                    print(f"{where:70}" + "".join(f"{100 * v:9.2f}" for v in line), flush=True)
+class Light:
+    """An environment's Gaussians over the directions of a cube map, D of method `direct`, and bases over them."""
+
+    def __init__(self, gaussians, cube):
+        g = gaussians
+        self.D, self.omega = world_directions(256), cubemap.directions(cube)
+        self.solid_angle = cubemap.solid_angles(cube)
+        each = [slice(k, k + 1) for k in range(len(g))]
+        flux = [cubemap.average_gaussians(g.axis[k], g.sharpness[k], g.amplitude[k], cube) for k in each]
+        self.flux = np.array(flux) * self.solid_angle[:, None]
+        total = luminance(self.flux.sum(0))
+        self.weight = total / total.sum() * 4 * np.pi / self.solid_angle + 0.02
+        weight_D = luminance(g.radiance(self.D))
+        self.weight_D = weight_D / weight_D.mean() + 0.02
+        narrowed = np.minimum(g.sharpness, 64.0)[:, None]
+        self.tables = np.exp(narrowed * (g.axis @ self.omega.T - 1.0)) * self.solid_angle
+        self.shares, self.quadratic = cube_shares(self.omega), quadratics(self.omega)
 
 
-if __name__ == "__main__":
-    main()
+def simpler(light, V, V_D, n, x, omega):
+    """{what is known: V} of a pixel: `V` the truth in the directions `omega` of its surface frame, `V_D` in D."""
+    flat, flux = flat_weight(omega[:, 2]), luminance(light.flux)
+    of_each, of_cosine = flux * flat, flux * np.maximum(omega[:, 2], 0.0)
+    w = light.solid_angle * light.weight * flat
+    Q, shares = light.quadratic, light.shares
+    normal = (Q * w[:, None]).T @ Q
+    fitted = np.linalg.solve(normal + 0.002 * np.trace(normal) * np.eye(9), Q.T @ (w * V))
+    six = ((w * V) @ shares + 1e-4 * w.sum()) / (w @ shares + 1e-4 * w.sum())
+    nine = nine_parts(V, n, x, light.omega, light.solid_angle * light.weight, omega)
+    return {
+        "truth": V,
+        "no shadows": 1.0,
+        "one for each, flat": (of_each @ V / np.maximum(of_each.sum(1), 1e-30))[:, None],
+        "one for each, by the cosine": (of_cosine @ V / np.maximum(of_cosine.sum(1), 1e-30))[:, None],
+        "of all, six means of the world": shares @ six,
+        "of all, best quadratic": np.clip(Q @ fitted, 0.0, 1.0),
+        "of all, nine parts": nine,
+        "of all, nine parts, 256 directions": nine_parts(V_D, n, x, light.D, light.weight_D, omega),
+        "one for each, with a gradient": np.array([with_gradient(V, k * flat, light.omega) for k in light.tables]),
+    }
+
+
+def measure(renderer, queries, environment, options):
+    frame = renderer.prepare(env=environment, size=options.size, background=False, shadows="off")
+    renderer.draw(frame)
+    pixels, light = common.Pixels(renderer), Light(frame.lights.gaussians, options.cube)
+    structure = renderer.stage.occluders(frame)
+    places = pixels.covered[:: options.every]
+
+    def seen(place, directions):
+        return ~queries.any_hit(structure, np.repeat(pixels.p[*place, None, :3], len(directions), 0), directions)
+
+    known = [(place, seen(place, light.omega).astype(float), seen(place, light.D)) for place in places]
+    for fabric in options.fabrics:
+        description = glcloth.load_fabric(fabric).arrays()
+        rows = {}
+        for place, V, V_D in known:
+            to_surface, omega_o = pixels.frame(*place)
+            omega = light.omega @ to_surface.T
+            weights = luminance(light.flux * cloth.f_cloth(omega, omega_o[None], *description))
+            x = np.append(pixels.x[*place, :3], pixels.N[*place, 3])
+            for name, value in simpler(light, V, V_D, pixels.N[*place, :3], x, omega).items():
+                rows.setdefault(name, []).append((weights * value).sum())
+        truth = np.array(rows.pop("truth"))
+        for name, values in rows.items():
+            apart = np.array(values) - truth
+            cells = [np.abs(apart).mean() / truth.mean(), apart.mean() / truth.mean()]
+            cells += list(np.percentile(np.abs(apart) / truth, (50, 95)))
+            common.row(f"{Path(environment).stem}-{fabric}, {name}", *(100 * float(v) for v in cells))
+
+
+options = common.options(__doc__, [], fabrics=common.FABRICS, size="120x90", cube=16, every=16)
+common.head("environment, fabric, V", *common.PICTURE_ERRORS[:4])
+with glcloth.Renderer() as renderer:
+    queries = RayQueries(renderer.ctx)
+    for environment in options.environments:
+        measure(renderer, queries, environment, options)

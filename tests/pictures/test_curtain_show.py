@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 
 from glcloth.accel.queries import RayQueries
-from glcloth.curtain.hanging import CurtainParameters
-from glcloth.curtain.show import CurtainScene, CurtainShow, bench_curtain, parse_curtain_scene
+from glcloth.bench.curtain import bench_curtain
+from glcloth.curtain.show import CurtainShow
 from glcloth.errors import InputError
+from glcloth.scene import CurtainParameters, Scene
 
-SMALL = CurtainScene(size=(48, 48), curtain=CurtainParameters(quads=(48, 12), pleats=4, settle=0.2))
+SMALL = Scene(size=(48, 48), curtain=CurtainParameters(quads=(48, 12), pleats=4, settle=0.2))
 
 
 def test_frames_can_be_resumed(ctx):
@@ -76,7 +77,7 @@ def test_bench(ctx):
 
 
 def test_the_default_scene_has_the_papers_triangles():
-    assert CurtainScene().curtain.triangle_count + 146 == 12_786
+    assert CurtainParameters().triangle_count + 146 == 12_786
 
 
 def test_wrong_input(ctx):
@@ -90,7 +91,7 @@ def test_wrong_input(ctx):
         ({"ambient": (1, 2)}, "ambient"),
     ):
         with pytest.raises(InputError, match=words) as error:
-            parse_curtain_scene(changes)
+            Scene.parse({"curtain": {}, **changes})
         assert "\n" not in str(error.value)
     with pytest.raises(InputError, match="room alone"):
         CurtainShow(ctx, SMALL, triangles=100)

@@ -10,7 +10,8 @@ from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.tracing.lamp import Lamp, Lighting
-from glcloth.tracing.tracer import Shot, Tracer
+from glcloth.tracing.shot import Shot
+from glcloth.tracing.tracer import Tracer
 from glcloth.tracing.tree_view import GREEN, GREY, YELLOW, TreeContent, box_lines, draw_tree, shown_nodes
 from glcloth.twins import sheet
 

@@ -10,9 +10,12 @@ from glcloth.accel.triangles import Triangles
 from glcloth.fabric import builtin_fabrics, load_fabric
 from glcloth.geometry import shapes
 from glcloth.geometry.camera import Camera
-from glcloth.geometry.mesh import build_mesh, load_mesh
+from glcloth.geometry.mesh import build_mesh
+from glcloth.geometry.mesh_files import load_mesh
+from glcloth.gpu.scene_buffers import SceneBuffers
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.methods.albedo import diffuse_albedo
+from glcloth.picture.renderer import Renderer
 from glcloth.twins import visibility as twin
 from glcloth.twins.visibility import LEAST
 from glcloth.visibility.furnace import Furnace
@@ -396,16 +399,15 @@ def test_a_preview_ends_in_the_same_picture(renderer):
     mesh = wavy()
     scene = dict(fabric="silk_crepe_de_chine", mesh=mesh, lights=LIGHTS, size=(48, 36), shadows="full")
     frame = renderer.prepare(**scene)
-    for _ in renderer.steps(frame, hurry=True):
+    for _ in renderer.steps(frame, preview=True):
         pass
     first = renderer.gbuffer.read()
-    for _ in renderer.look(frame, 16):
+    for _ in renderer.trace_visibility(frame, 16):
         pass
     for _ in renderer.steps(frame):
         pass
     late = renderer.gbuffer.read()
-    renderer._shadows = None
-    assert np.array_equal(renderer.render_frame(frame), late[..., :3])
+    assert np.array_equal(Renderer(ctx=renderer.ctx).render_frame(frame), late[..., :3])
     assert 0 < np.abs(first - late).mean() < 0.1 * late.mean()
 
 
@@ -417,22 +419,23 @@ def test_pixels_send_rays_into_narrow_gaussians_where_vertices_do_not_agree(rend
     frame = renderer.prepare(shadows="full", **scene)
 
     def seen():
-        layers = np.frombuffer(renderer.shadow_view.seen.read(), "u1").reshape(-1, 48, 48, 4)
+        view = renderer.target.part(renderer.stage.cloths[0]).view
+        layers = np.frombuffer(view.seen.read(), "u1").reshape(-1, 48, 48, 4)
         return layers[0, ..., 1] / 255.0, layers[0, ..., 2] / 255.0
 
-    for _ in renderer.look(frame):
+    for _ in renderer.trace_visibility(frame):
         pass
-    for _ in renderer.steps(frame, hurry=True):
+    for _ in renderer.steps(frame, preview=True):
         pass
     (by_vertices, broad), buffer = seen(), renderer.gbuffer
     for _ in renderer.steps(frame, rows=lambda: 8):
         pass
     by_pixels, broad_too = seen()
     assert np.array_equal(broad, broad_too)
-    N, p = (np.frombuffer(t.read(), "f4").reshape(48, 48, 4) for t in (buffer.frame_N, buffer.frame_p))
+    N, p = (np.frombuffer(frame.read(), "f4").reshape(48, 48, 4) for frame in map(buffer.frame, ("frame_N", "frame_p")))
     D = twin.own_directions(gaussians.axis[0], 600.0, EDGE_RAYS)
     origins = np.repeat(p[..., None, :3], len(D), 2)
-    hit = RayQueries(renderer.ctx).any_hit(renderer.occluders(frame.mesh), origins, np.broadcast_to(D, origins.shape))
+    hit = RayQueries(renderer.ctx).any_hit(renderer.stage.occluders(frame), origins, np.broadcast_to(D, origins.shape))
     exact = 1.0 - hit.reshape(48, 48, -1).mean(-1)
     covered = N[..., 3] != 0
     changed = covered & (by_pixels != by_vertices)
@@ -442,8 +445,7 @@ def test_pixels_send_rays_into_narrow_gaussians_where_vertices_do_not_agree(rend
     assert np.percentile(np.abs(by_pixels - exact)[changed], 95) < 0.1
     assert np.abs(by_pixels - exact)[covered].mean() < 0.25 * np.abs(by_vertices - exact)[covered].mean()
     late = renderer.gbuffer.read()
-    renderer._shadows = None
-    assert np.array_equal(renderer.render_frame(frame), late)
+    assert np.array_equal(Renderer(ctx=renderer.ctx).render_frame(frame), late)
 
 
 def test_samples_of_a_pixel_share_the_rays_into_narrow_gaussians():
@@ -458,14 +460,14 @@ def test_samples_of_a_pixel_share_the_rays_into_narrow_gaussians():
     assert all(np.diff(some @ axis).min() > 0 for some in seen)  # from the outside in
 
 
-def test_albedo_is_that_of_the_white_furnace(renderer):
-    furnace = Furnace(renderer.ctx)
+def test_albedo_is_that_of_the_white_furnace(ctx):
+    furnace, scene_buffers = Furnace(ctx), SceneBuffers(ctx)
     for name in builtin_fabrics():
         fabric = load_fabric(name)
         if not fabric.tangents:
             continue
-        renderer.shared.prepare(fabric, LIGHTS)
-        assert np.allclose(furnace.albedo(renderer.shared), diffuse_albedo(fabric), rtol=0.05, atol=0.004), name
+        scene_buffers.prepare(fabric)
+        assert np.allclose(furnace.albedo(scene_buffers), diffuse_albedo(fabric), rtol=0.05, atol=0.004), name
 
 
 def test_adaptive_rate_sees_the_shadows(renderer):
@@ -496,7 +498,7 @@ def test_cloth_that_moves_is_followed_and_a_cut_is_seen(renderer):
         for i in range(6):
             renderer.render(mesh=pose(i), **scene)
         moving = renderer.render(mesh=last, **scene)
-        vertices = renderer.shadows.vertices
+        vertices = renderer.stage.cloths[0].visibility.vertices
         assert vertices.classes == 8 and vertices.complete
         bits = np.concatenate(vertices.bits())
         for _ in range(4):  # the same pose, again and again
@@ -532,5 +534,5 @@ def test_a_first_impression_under_turned_lights_traces_nothing(renderer):
     scene = {"mesh": "sphere", "env": "studio", "size": (16, 12)}
     renderer.render(**scene)
     frame = renderer.prepare(**scene, env_rotate=40.0)
-    assert list(renderer.look(frame, 4, enough=16)) == []
-    assert list(renderer.look(frame, 4)), "narrow Gaussians"
+    assert list(renderer.trace_visibility(frame, 4, enough=16)) == []
+    assert list(renderer.trace_visibility(frame, 4)), "narrow Gaussians"

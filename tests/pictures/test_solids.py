@@ -13,7 +13,8 @@ from glcloth.accel.triangles import Triangles, rotated_corners
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
-from glcloth.geometry.mesh import BALL, PLINTH, TABLE, build_mesh, load_mesh, load_solid
+from glcloth.geometry.mesh import build_mesh
+from glcloth.geometry.mesh_files import BALL, PLINTH, TABLE, load_mesh, load_solid
 from glcloth.geometry.props import RINGS, SECTORS, Ground, Objects, stand_on
 from glcloth.gpu.scene_buffers import SceneBuffers
 from glcloth.light.lights import Lights, SphericalGaussians, Suns

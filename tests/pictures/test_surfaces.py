@@ -6,7 +6,7 @@ import pytest
 from glcloth.color import luminance
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
-from glcloth.geometry.mesh import load_mesh
+from glcloth.geometry.mesh_files import load_mesh
 from glcloth.geometry.props import Objects, stand_on
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.frame import Cloth

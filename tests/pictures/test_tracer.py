@@ -9,9 +9,13 @@ from glcloth.accel.triangles import Triangles
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
+from glcloth.gpu.buffers import Staging
+from glcloth.gpu.context_local import of_context
+from glcloth.gpu.programs import programs
 from glcloth.light.environment import Environment, lookup, rotation_y
 from glcloth.tracing.lamp import Lamp, Lighting
-from glcloth.tracing.tracer import Shot, Tracer, TraceSettings
+from glcloth.tracing.shot import Shot, TraceSettings
+from glcloth.tracing.tracer import Tracer
 from glcloth.twins import sheet
 
 DARK = (0.0, 0.0, 0.0)
@@ -112,16 +116,19 @@ def test_depth_counts_generations(tracer):
 
 
 def test_lamp_through_cloth_onto_a_floor(tracer):
-    """Lambert's floor in the light of a distant lamp that passes no, one and two sheets."""
-    toward = np.array([0.3, 0.8, -0.5])
-    toward /= np.linalg.norm(toward)
-    lighting = Lighting(Lamp(tuple(toward), (2.0, 1.5, 1.0), distant=True), DARK, DARK)
+    """Lambert's floor in the light of a lamp that passes no, one and two sheets."""
+    lamp, intensity = np.array([3.0, 8.0, -5.0]), np.array([200.0, 150.0, 100.0])
+    lighting = Lighting(Lamp(tuple(lamp), tuple(intensity)), DARK, DARK)
     camera = Camera((0, 3, 6), (0, 0, 5), fov_deg=20)
+    d = pixel_directions(camera, (16, 8))
+    toward = lamp - (np.array(camera.eye) - d * (camera.eye[1] / d[..., 1:2]))
+    distance = np.linalg.norm(toward, axis=-1, keepdims=True)
+    toward /= distance
     for count in (0, 1, 2):
         sheets = [(rectangle(-1.0 - k), 0) for k in range(count)]
         got = view(tracer, [(floor(0), 1), *sheets], lighting=lighting, camera=camera)
-        expected = 0.5 / np.pi * toward[1] * np.array([2.0, 1.5, 1.0]) * through(toward, half=True) ** count
-        np.testing.assert_allclose(got, np.broadcast_to(expected, got.shape), rtol=2e-4)
+        expected = 0.5 / np.pi * toward[..., 1:2] * intensity / distance**2 * through(toward, half=True) ** count
+        np.testing.assert_allclose(got, expected, rtol=2e-4)
     wall = view(tracer, [(floor(0), 1), (rectangle(-1.0), 1)], lighting=lighting, camera=camera)
     np.testing.assert_array_equal(wall, 0)
 
@@ -264,6 +271,16 @@ def test_tiles_and_odd_sizes(tracer, monkeypatch):
     np.testing.assert_array_equal(whole, tiled)
 
 
+@pytest.mark.parametrize("accelerator", ["kdtree", "lbvh"])
+def test_work_groups_in_rows(ctx, tracer, monkeypatch, accelerator):
+    """A device that takes few work groups along a line makes the same picture."""
+    shot = Shot(ROOM_CAMERA, (71, 53), VOILE, ROOM_LIGHT, settings=TraceSettings(accelerator=accelerator))
+    scene = folded_scene()
+    whole = tracer.render(**scene, shot=shot)
+    monkeypatch.setattr(programs(ctx), "most_groups", 7)
+    np.testing.assert_array_equal(whole, tracer.render(**scene, shot=shot))
+
+
 def test_supersampling_converges(tracer):
     """Sixteen samples a pixel lie nearer to a picture of twice the size, averaged, than one does."""
     scene = folded_scene()
@@ -298,6 +315,19 @@ def test_statistics_add_up(tracer):
     assert all(0 < b <= 2 * a for a, b in zip(s.rays, s.rays[1:], strict=False))
     assert all(0 < b <= a for a, b in zip(s.rays, s.shadow_rays, strict=True))
     assert s.total_ms >= sum(s.trace_ms) + sum(s.shade_ms) + sum(s.shadow_ms)
+
+
+def test_the_cpu_waits_once_a_generation(ctx, tracer):
+    """For the numbers of its rays; and once for the picture."""
+    staging = of_context(Staging, ctx)
+    scene = folded_scene()
+    for depth in (1, 4):
+        settings = TraceSettings(depth=depth, accelerator="brute")
+        reads, size = staging.reads, staging.bytes
+        tracer.render(
+            **scene, shot=Shot(camera=ROOM_CAMERA, size=(32, 32), fabric=VOILE, lighting=ROOM_LIGHT, settings=settings)
+        )
+        assert (staging.reads - reads, staging.bytes - size) == (depth + 1, 16 * depth + 16 * 32 * 32)
 
 
 def test_a_grid_on_the_gpu_is_the_same_as_arrays(ctx, tracer):
@@ -341,6 +371,6 @@ def test_wrong_input(tracer):
     for bad in ({"depth": 0}, {"depth": 9}, {"spp": 0}, {"cutoff": 1.0}):
         with pytest.raises(InputError, match=next(iter(bad))):
             TraceSettings(**bad)
-    for bad in ({"intensity": (-1, 0, 0)}, {"position": (np.nan, 0, 0)}, {"position": (0, 0, 0), "distant": True}):
+    for bad in ({"intensity": (-1, 0, 0)}, {"position": (np.nan, 0, 0)}):
         with pytest.raises(InputError, match="lamp"):
             Lamp(**bad)

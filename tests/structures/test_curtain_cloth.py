@@ -1,7 +1,5 @@
 """The moving curtain: its pleats by geometry, its behaviour over seconds of wind, and what it may not do."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from test_simulation import crossings
@@ -151,7 +149,7 @@ def test_frames_are_unit_and_face_the_room(hang):
 )  # fmt: skip
 def test_bad_parameters_end_in_one_line(change):
     with pytest.raises(InputError) as caught:
-        dataclasses.replace(CurtainParameters(), **change)
+        CurtainParameters().changed(**change)
     assert "\n" not in str(caught.value) and next(iter(change)) in str(caught.value)
 
 

@@ -5,7 +5,7 @@ import pytest
 from test_simulation import crossings
 
 from glcloth.errors import InputError
-from glcloth.geometry.mesh import load_mesh
+from glcloth.geometry.mesh_files import load_mesh
 from glcloth.simulation.drape import SOLIDS, Swaying, drape, lying
 
 

@@ -6,7 +6,8 @@ import pytest
 
 from glcloth.errors import InputError, ShaderError
 from glcloth.geometry.camera import Camera
-from glcloth.geometry.mesh import build_mesh, load_mesh
+from glcloth.geometry.mesh import build_mesh
+from glcloth.geometry.mesh_files import load_mesh
 from glcloth.gpu import layout, shader
 from glcloth.gpu.buffers import TextureBuffer
 from glcloth.gpu.gbuffer import GBuffer, MeshBuffers

@@ -11,9 +11,10 @@ import trimesh
 
 from glcloth import progress
 from glcloth.errors import InputError
-from glcloth.geometry import mesh as mesh_module
+from glcloth.geometry import mesh_files
 from glcloth.geometry.camera import Camera
-from glcloth.geometry.mesh import BUILTIN_MESHES, build_mesh, load_mesh, load_view, save_mesh
+from glcloth.geometry.mesh import build_mesh
+from glcloth.geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view, save_mesh
 from glcloth.geometry.obj import split_vertices
 from glcloth.geometry.shapes import cylinder, sphere
 
@@ -360,7 +361,7 @@ def test_drape_is_cloth_in_metres():
     """UVs are metres of a square of 1.6 m that neither stretches nor tears: its edges are as long as in the UVs."""
     mesh = load_mesh("drape")
     assert 20_000 <= len(mesh.triangles) <= 50_000
-    assert (Path(mesh_module.MESHES) / "drape.ply").stat().st_size <= 1.5e6
+    assert (Path(mesh_files.MESHES) / "drape.ply").stat().st_size <= 1.5e6
     assert np.allclose(mesh.uv.min(axis=0), 0, atol=1e-6) and np.allclose(mesh.uv.max(axis=0), 1.6, atol=1e-6)
     edges = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]])
     d = np.abs(mesh.uv[edges[:, 1]] - mesh.uv[edges[:, 0]])

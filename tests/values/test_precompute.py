@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from glcloth.errors import InputError
-from glcloth.fabric import load_fabric, parse_fabric
+from glcloth.fabric import Fabric, load_fabric
 from glcloth.methods.paper import precompute, tables
 from glcloth.twins import convolution
 from glcloth.twins.azimuth import T_l, azimuth_mass
@@ -14,7 +14,7 @@ from glcloth.twins.frame import tangent_axes
 def weave(tilts_1, tilts_2, **changes):
     yarn = dict(albedo=[0.5, 0.4, 0.3], eta=1.5, k_d=0.2, gamma_s_deg=8, gamma_v_deg=15)
     yarns = [dict(yarn, area=a, tangents_deg=t) for a, t in ((0.6, tilts_1), (0.3, tilts_2))]
-    return parse_fabric(dict(name="test", yarn=yarns, **changes))
+    return Fabric.parse(dict(name="test", yarn=yarns, **changes))
 
 
 def T_at(found, placement, level):

@@ -1,4 +1,4 @@
-"""The window under Xvfb, by real events; skipped where Xvfb or xdotool is missing."""
+"""The window under Xvfb, by real events; skipped where Xvfb or xdotool is missing (`make tools` brings them)."""
 
 import json
 import os
@@ -18,7 +18,7 @@ DRIVER = ROOT / "tests" / "window" / "window_driver.py"
 def display():
     """The number of a display of its own."""
     if not (shutil.which("Xvfb") and shutil.which("xdotool")):
-        pytest.skip("needs Xvfb and xdotool: apt-get install xvfb xdotool")
+        pytest.skip("the window needs Xvfb and xdotool")
     read, write = os.pipe()
     command = ["Xvfb", "-displayfd", str(write), "-screen", "0", "1280x800x24", "+extension", "GLX"]
     server = subprocess.Popen(command, pass_fds=[write], stderr=subprocess.DEVNULL)
@@ -26,7 +26,7 @@ def display():
     with os.fdopen(read) as pipe:
         number = pipe.readline().strip()
     if not number:
-        pytest.skip("Xvfb does not start")
+        pytest.skip("the window needs Xvfb, which does not start")
     yield f":{number}"
     server.terminate()
     server.wait()

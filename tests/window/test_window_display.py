@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from glcloth.color import VIEW_TRANSFORMS, srgb_encode, view
-from glcloth.window.refine import Side
+from glcloth.window.pictures import Side
 from glcloth.window.screen import Look, Screen
 
 
@@ -25,7 +25,7 @@ def side(ctx, picture):
 
 
 def shown(screen, sides, *arguments):
-    code = screen.encode(0, sides, *arguments)
+    code = screen.encode(0, sides, *arguments).texture
     return np.frombuffer(code.read(), "u1").reshape(code.height, code.width, 4)[::-1, :, :3].astype(int)
 
 

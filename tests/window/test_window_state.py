@@ -7,14 +7,13 @@ import sys
 import numpy as np
 import pytest
 
-from glcloth.curtain.show import CurtainScene
 from glcloth.errors import InputError
 from glcloth.fabric import Fabric, Yarn, load_fabric, save_fabric
 from glcloth.geometry.camera import Camera
-from glcloth.geometry.mesh import load_mesh
+from glcloth.geometry.mesh_files import load_mesh
 from glcloth.image import write_image
-from glcloth.picture.renderer import METHODS
-from glcloth.scene import Scene, View, load_scene, save_scene
+from glcloth.methods.registry import METHODS
+from glcloth.scene import CurtainParameters, Scene, View, load_scene, save_scene
 from glcloth.window import curve, orbit, sharing, state
 from glcloth.window.controls import METHOD_FIELDS, controls
 from glcloth.window.slices import Slices
@@ -86,7 +85,7 @@ def test_an_edit_keeps_what_it_does_not_touch_identical():
 
 
 def test_b_of_the_curtain_has_fabric_and_rays_of_its_own():
-    session = Session(CurtainScene(fabric="lace", depth=2))
+    session = Session(Scene(fabric="lace", depth=2, curtain=CurtainParameters()))
     session.compare("split")
     assert session.document.sides() == [session.curtain, session.curtain]
     session.edit_other(accelerator="lbvh", depth=5)
@@ -328,6 +327,6 @@ def test_the_answer_to_an_edit_is_shown_before_anything_else_is_drawn():
                 self._refining = "answer" in self.drawn
 
     plan = Plan()
-    plan._begin()
+    plan._begin(1)
     assert plan.work(1e9) and plan.drawn == ("placed", "answer")
     assert plan.work(1e9) and plan.drawn[2:] == ("half", "full") and plan.idle

@@ -26,16 +26,16 @@ from imgui_bundle import imgui
 from OpenGL import GL
 from xdnd import Source
 
-from glcloth.curtain.hanging import CurtainParameters
-from glcloth.curtain.show import CurtainScene, CurtainShow
+from glcloth.curtain.show import CurtainShow
 from glcloth.errors import InputError
 from glcloth.fabric import Transmission, load_fabric, save_fabric
-from glcloth.geometry.mesh import load_mesh, save_mesh
+from glcloth.geometry.mesh_files import load_mesh, save_mesh
 from glcloth.image import write_image
 from glcloth.light.lights import Lights, SphericalGaussians
 from glcloth.light.lights_file import save_lights
-from glcloth.picture.renderer import METHODS, Renderer
-from glcloth.scene import Scene, load_scene
+from glcloth.methods.registry import METHODS
+from glcloth.picture.renderer import Renderer
+from glcloth.scene import CurtainParameters, Scene, load_scene
 from glcloth.window import curve, orbit, sharing
 from glcloth.window.app import App
 from glcloth.window.controls import controls, curtain_controls
@@ -55,9 +55,13 @@ def until(app, done, what="what was waited for"):
 
 def settle(app):
     """Step until the picture is complete."""
-    app._heard()
+    app.clock.heard()
     steps = itertools.count()
-    until(app, lambda: next(steps) > 3 and not app.busy and not app.pending and app.shows_something, "the picture")
+    until(
+        app,
+        lambda: next(steps) > 3 and not app.drawing.busy and not app.drawing.pending and app.drawing.shows_something,
+        "the picture",
+    )
 
 
 def during(app, *commands, wait=True):
@@ -72,20 +76,20 @@ def during(app, *commands, wait=True):
     thread.start()
     until(app, lambda: not thread.is_alive(), "xdotool's end")
     glfw.get_cursor_pos(app.host.window)  # asks the server, which answers after the events that it has sent
-    app._heard()
+    app.clock.heard()
     for _ in range(2):
         app.step()
     # imgui takes them one after the other, some only at the next picture.
     queue = imgui.get_current_context().input_events_queue
     until(app, lambda: queue.size() == 0, "the last event")
-    app._heard()
+    app.clock.heard()
     app.step()
     if wait:
         settle(app)
 
 
 def distance(app):
-    camera = app.navigation.camera
+    camera = app.actions.camera
     return float(np.linalg.norm(np.subtract(camera.eye, camera.target)))
 
 
@@ -94,58 +98,58 @@ def events(folder):
     app = App(Scene(size=(120, 96), mesh="sphere", env="sky"))
     glfw.set_window_pos(app.host.window, 0, 0)
     settle(app)
-    out = {"follow": app.follow, "size": app.session.scene.size, "screen": list(app.screen().shape)}
-    first, scene = app.files.picture(), app.session.scene
-    home, far = app.navigation.camera, distance(app)
+    out = {"follow": app.layout.follow, "size": app.session.scene.size, "screen": list(app.actions.screen().shape)}
+    first, scene = app.actions.picture(), app.session.scene
+    home, far = app.actions.camera, distance(app)
     during(app, ["mousemove", 60, 50], ["mousedown", 1], ["mousemove", 70, 50], ["mousemove", 80, 55], ["mouseup", 1])
-    out["orbited"] = app.navigation.camera.eye != home.eye and abs(distance(app) - far) < 1e-6
+    out["orbited"] = app.actions.camera.eye != home.eye and abs(distance(app) - far) < 1e-6
     during(app, ["click", "--repeat", 3, 4])
     out["zoomed"] = distance(app) < 0.8 * far
     during(app, ["key", "Home"])
-    out["home"] = bool(app.navigation.camera == home)
-    out["home_picture"] = bool(np.array_equal(app.files.picture(), first))
+    out["home"] = bool(app.actions.camera == home)
+    out["home_picture"] = bool(np.array_equal(app.actions.picture(), first))
     during(app, ["mousemove", 60, 50], ["mousedown", 3], ["mousemove", 75, 50], ["mousemove", 90, 50], ["mouseup", 3])
     out["turned"] = app.session.scene.env_rotate
     during(app, ["key", "ctrl+z"])
     out["undone"] = app.session.scene.env_rotate
     during(app, ["key", "ctrl+shift+z"])
     out["redone"] = app.session.scene.env_rotate
-    app.undo()
+    app.session.undo()
     settle(app)
     # Files: a bad one leaves everything as it was.
     (folder / "bad.hdr").write_bytes(b"nothing")
     before = app.session.document
     app.files.open(str(folder / "bad.hdr"))
     settle(app)
-    out["bad_file"] = app.messages[-1][1]
-    out["kept"] = app.session.document == before and bool(np.array_equal(app.files.picture(), first))
+    out["bad_file"] = app.messages.lines[-1][1]
+    out["kept"] = app.session.document == before and bool(np.array_equal(app.actions.picture(), first))
     # Ten parameters, saved and opened again.
     app.session.edit_yarn(0, gamma_s_deg=7.5, albedo=(0.3, 0.1, 0.2), eta=1.5, k_d=0.3, gamma_v_deg=14.0)
     app.session.edit_yarn(1, **curve.move(app.session.fabric.yarn[1], 1, 0.7, 22.0))
     app.session.edit_fabric(app.session.fabric.changed(sigma_deg=25.0, normalization="paper"))
     app.session.edit_scene(env_rotate=33.0, spp=2, exposure=0.5)
-    app.navigation.look(orbit.orbit(app.navigation.camera, 20.0, 10.0))
+    app.actions.look(orbit.orbit(app.actions.camera, 20.0, 10.0))
     settle(app)
-    edited, edited_scene = app.files.picture(), app.session.scene
+    edited, edited_scene = app.actions.picture(), app.session.scene
     for name in ("p.exr", "p.png"):
         app.files.save_picture(str(folder / name))
     app.files.save_scene(str(folder / "s.toml"))
     app.files.save_picture(str(folder / "w.png"), panels=True)
     settle(app)
-    out["messages"] = [kind for kind, _ in app.messages[1:]]
+    out["messages"] = [kind for kind, _ in app.messages.lines[1:]]
     same = []
     for name in ("s.toml", "p.exr", "p.png"):
         app.session.open(Scene(size=(120, 96)))
         app.files.open(str(folder / name))
         settle(app)
-        same.append(bool(np.array_equal(app.files.picture(), edited)))
+        same.append(bool(np.array_equal(app.actions.picture(), edited)))
     out["reopened"] = same
     app.session.compare("split")
     app.session.edit_other(method="paper", fabric="linen")
     app.session.compare("difference")
     settle(app)
-    out["sides"] = [side.share for side in app.refiner.sides]
-    out["gl_error"] = app.ctx.error
+    out["sides"] = [side.share for side in app.drawing.refiner.sides]
+    out["gl_error"] = app.host.ctx.error
     app.close()
     with Renderer() as renderer:
         out["as_render"] = [
@@ -181,9 +185,12 @@ def drops(folder):
     light.write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n" + bytes([128, 128, 128, 129]) * 32)
     save_lights(lights, Lights(SphericalGaussians(((0.0, 1.0, 0.0),), (3.0,), ((1.0, 1.0, 1.0),))))
     out["fabric"] = drop(app, fabric), session.fabric.name
-    out["mesh"] = drop(app, mesh), app.frames[0].mesh.positions.shape == load_mesh("sphere").positions.shape
-    out["light"] = drop(app, light), float(app.frames[0].environment.radiance.max())
-    out["lights"] = drop(app, lights), len(app.frames[0].lights.gaussians)
+    out["mesh"] = (
+        drop(app, mesh),
+        app.drawing.refiner.frames[0].mesh.positions.shape == load_mesh("sphere").positions.shape,
+    )
+    out["light"] = drop(app, light), float(app.drawing.refiner.frames[0].environment.radiance.max())
+    out["lights"] = drop(app, lights), len(app.drawing.refiner.frames[0].lights.gaussians)
     before = session.document
     (folder / "text.txt").write_text("nothing")
     (folder / "bad.obj").write_text("nothing")
@@ -191,18 +198,18 @@ def drops(folder):
     out["wrong"] = []
     for name in ("text.txt", "bad.obj", "other.png", "gone.exr", ""):
         drop(app, folder / name)
-        kind, text = app.messages[-1]
+        kind, text = app.messages.lines[-1]
         out["wrong"].append([kind, (folder / name).name in text and "\n" not in text, session.document == before])
     out["picture"] = drop(app, picture), session.scene.model_copy(update={"camera": first.camera}) == first
     out["two"] = drop(app, fabric, mesh), session.fabric.name, Path(session.scene.mesh).name
-    out["gl_error"] = app.ctx.error
+    out["gl_error"] = app.host.ctx.error
     app.close()
     return out
 
 
 def seen(app, number):
     """The picture of one side: float32 [H, W, 3], top row first."""
-    texture = app.drawer.sides[number].texture
+    texture = app.drawing.drawer.sides[number].texture
     return np.frombuffer(texture.read(), "f4").reshape(texture.height, texture.width, 4)[::-1, :, :3]
 
 
@@ -215,21 +222,21 @@ def traced_as(show, scene):
 def curtain(folder):
     """Played, changed on the way, saved and opened again; shaders reloaded; side by side with `render`."""
     small = CurtainParameters(quads=(48, 12), pleats=4, settle=0.2)
-    scene = CurtainScene(size=(96, 64), curtain=small, spp=2)
+    scene = Scene(size=(96, 64), curtain=small, spp=2)
     app = App(scene)
     out = {}
     settle(app)
-    first = app.files.picture()
-    app.player.step(3)
+    first = app.actions.picture()
+    app.drawing.player.step(3)
     settle(app)
-    third = app.files.picture()
-    out["frames"] = [app.frame, bool(np.abs(third - first).max() > 0.01)]
+    third = app.actions.picture()
+    out["frames"] = [app.actions.frame, bool(np.abs(third - first).max() > 0.01)]
     for name in ("c.exr", "c.png"):
         app.files.save_picture(str(folder / name))
     app.files.save_scene(str(folder / "c.toml"))
     settle(app)
-    out["untouched"] = "otherwise" not in app.messages[-1][1]
-    with CurtainShow(app.ctx, scene) as show:
+    out["untouched"] = "otherwise" not in app.messages.lines[-1][1]
+    with CurtainShow(app.host.ctx, scene) as show:
         show.advance(3)
         out["as_render"] = bool(np.array_equal(show.picture(), third))
         # B is the same curtain with rays and a fabric of its own, traced or as layers.
@@ -245,66 +252,75 @@ def curtain(folder):
         app.session.compare("difference")
         settle(app)
         out["B"].append(bool(np.array_equal(show.layers(other=lace), seen(app, 1))))
-        out["B"].append([side.share for side in app.player.sides])
+        out["B"].append([side.share for side in app.drawing.player.sides])
         app.session.swap()
         app.session.compare("off")
         settle(app)
-        out["swapped"] = [app.session.curtain.depth, app.session.fabric.name, len(app.player.sides), app.frame]
+        out["swapped"] = [
+            app.session.curtain.depth,
+            app.session.fabric.name,
+            len(app.drawing.player.sides),
+            app.actions.frame,
+        ]
         for _ in range(3):
-            app.undo()
+            app.session.undo()
         settle(app)
     same = []
     for name in ("c.exr", "c.png"):
-        app.player.step(2)
+        app.drawing.player.step(2)
         settle(app)
         app.files.open(str(folder / name))
         settle(app)
-        same.append(bool(np.array_equal(app.files.picture(), third)))
+        same.append(bool(np.array_equal(app.actions.picture(), third)))
     out["reopened"] = same
     app.files.open(str(folder / "c.toml"))
     settle(app)
-    out["scene_reopened"] = bool(np.array_equal(app.files.picture(), first)) and app.frame == 0
+    out["scene_reopened"] = bool(np.array_equal(app.actions.picture(), first)) and app.actions.frame == 0
     # What changes while it moves, and what hangs it anew.
-    app.player.step(2)
+    app.drawing.player.step(2)
     settle(app)
     app.session.hang("wind", wind=2.0, bending=1e-4, mass=0.1)
-    app.player.step(1)
+    app.drawing.player.step(1)
     settle(app)
-    out["live"] = [app.frame, app.player.touched, app.player.curtain.simulation.cloth.parameters.mass]
+    out["live"] = [
+        app.actions.frame,
+        app.drawing.player.touched,
+        app.drawing.player.curtain.simulation.cloth.parameters.mass,
+    ]
     app.session.edit_transmission(rho=0.2)
     settle(app)
-    out["openness"] = [app.frame, round(app.player.curtain.simulation.parameters.openness, 6)]
+    out["openness"] = [app.actions.frame, round(app.drawing.player.curtain.simulation.parameters.openness, 6)]
     app.session.hang(fullness=1.5)
     settle(app)
-    out["anew"] = [app.frame, app.player.touched]
-    app.undo()
+    out["anew"] = [app.actions.frame, app.drawing.player.touched]
+    app.session.undo()
     settle(app)
     out["undone"] = app.session.curtain.curtain.fullness
     pictures = []
     for name in ("kdtree", "lbvh", "brute"):
         app.session.edit_curtain(accelerator=name)
         settle(app)
-        pictures.append(app.files.picture())
+        pictures.append(app.actions.picture())
     out["accelerators"] = [bool(np.allclose(p, pictures[0], rtol=1e-5, atol=1e-6)) for p in pictures]
-    app.toggle_tree()
+    app.actions.toggle_tree()
     settle(app)
-    out["brute_has_no_tree"] = app.tree.boxes
+    out["brute_has_no_tree"] = app.drawing.tree.boxes
     app.session.edit_curtain(accelerator="lbvh")
     settle(app)
-    out["tree"] = [app.tree.boxes > 20, app.tree.frame == app.frame]
-    app.reload_shaders()
+    out["tree"] = [app.drawing.tree.boxes > 20, app.drawing.tree.frame == app.actions.frame]
+    app.actions.reload_shaders()
     settle(app)
-    out["reloaded"] = [app.messages[-1][1], bool(np.array_equal(app.files.picture(), pictures[1]))]
-    app.choose_fabric("linen")
+    out["reloaded"] = [app.messages.lines[-1][1], bool(np.array_equal(app.actions.picture(), pictures[1]))]
+    app.actions.choose_fabric("linen")
     settle(app)
-    out["linen"] = [app.session.fabric.transmission is not None, "white sheer" in app.messages[-1][1]]
+    out["linen"] = [app.session.fabric.transmission is not None, "white sheer" in app.messages.lines[-1][1]]
     before = app.session.document
-    app.attempt(app.session.edit_curtain, room=str(folder / "no_room.obj"))
+    app.actions.attempt(app.session.edit_curtain, room=str(folder / "no_room.obj"))
     settle(app)
-    out["bad_room"] = "no_room.obj" in app.messages[-1][1] and app.session.document == before
-    text = sharing.as_command(app.session.curtain, frame=app.frame)
+    out["bad_room"] = "no_room.obj" in app.messages.lines[-1][1] and app.session.document == before
+    text = sharing.as_command(app.session.curtain, frame=app.actions.frame)
     out["command"] = text.splitlines()[-1]
-    out["gl_error"] = app.ctx.error
+    out["gl_error"] = app.host.ctx.error
     app.close()
     return out
 
@@ -320,15 +336,15 @@ def rates(wanted=("cloth", "ground", "curtain"), seconds=4.0):
         """Only look on while a picture is refined."""
 
     def orbit_on(_):
-        app.navigation.look(orbit.orbit(app.navigation.camera, 1.0, 0.0))
+        app.actions.look(orbit.orbit(app.actions.camera, 1.0, 0.0))
 
     def slide(k):
         session.edit_yarn(0, "s", gamma_s_deg=5.0 + 0.01 * (k % 500))
 
     def hear(name, act=wait):
-        gaps, pictures = [], app.drawer.sides[0].version
+        gaps, pictures = [], app.drawing.drawer.sides[0].version
         begin = last = time.perf_counter()
-        while last - begin < seconds and (app.busy or act is not wait):
+        while last - begin < seconds and (app.drawing.busy or act is not wait):
             act(len(gaps))
             glfw.post_empty_event()
             app.step()
@@ -339,7 +355,7 @@ def rates(wanted=("cloth", "ground", "curtain"), seconds=4.0):
         out[name] = {
             "hz": round(len(g) / (last - begin), 1), "median_ms": round(float(np.median(g)), 1),
             "p95_ms": round(float(np.percentile(g, 95)), 1), "over_33_ms": round(float((g > 33.4).mean()), 3),
-            "pictures_per_s": round((app.drawer.sides[0].version - pictures) / (last - begin), 1),
+            "pictures_per_s": round((app.drawing.drawer.sides[0].version - pictures) / (last - begin), 1),
         }  # fmt: skip
 
     if "cloth" in wanted:
@@ -366,17 +382,17 @@ def rates(wanted=("cloth", "ground", "curtain"), seconds=4.0):
     if "curtain" in wanted:
         session.choose_mode("curtain")
         settle(app)
-        app.toggle_play()
+        app.actions.toggle_play()
         hear("curtain plays")
-        app.toggle_tree()
+        app.actions.toggle_tree()
         hear("curtain plays, tree open")
-        out["curtain_ms"] = {k: round(v, 1) for k, v in vars(app.player.timings).items()}
-        app.toggle_tree()
+        out["curtain_ms"] = {k: round(v, 1) for k, v in vars(app.drawing.player.timings).items()}
+        app.actions.toggle_tree()
         session.compare("split")
         session.edit_other(fabric="lace")
         hear("curtain plays, A and B")
         session.compare("off")
-        app.toggle_play()
+        app.actions.toggle_play()
         hear("curtain refines")
     app.close()
     return out
@@ -390,22 +406,22 @@ def latency(app, times=5):
 
     def note():
         heard.append(time.perf_counter())
-        app._heard()
+        app.clock.heard()
 
-    app.host._heard = note
+    app.host.heard = note
     for k in range(times):
-        before, seen = app.drawer.sides[0].version, None
+        before, seen = app.drawing.drawer.sides[0].version, None
         heard.clear()
         process = subprocess.Popen(["xdotool", "mousemove", str(404 + 4 * k), "300"])
-        while seen is None or app.busy or app.pending:
+        while seen is None or app.drawing.busy or app.drawing.pending:
             glfw.post_empty_event()
             app.step()
-            if seen is None and app.drawer.sides[0].version != before and not app._owed:
+            if seen is None and app.drawing.drawer.sides[0].version != before and not app._owed:
                 seen = 1e3 * (time.perf_counter() - heard[0])
         first.append(seen)
         refined.append(1e3 * (time.perf_counter() - heard[0]))
         process.wait()
-    app.host._heard = app._heard
+    app.host.heard = app.clock.heard
     during(app, ["mouseup", 1])
     return {"first_ms": round(float(np.median(first)), 1), "refined_ms": round(float(np.median(refined)), 1)}
 
@@ -445,11 +461,11 @@ def act(app, rng):
     index, pick = int(rng.integers(2)), lambda items: items[int(rng.integers(len(items)))]
     yarn = session.fabric.yarn[index]
     actions = (
-        lambda: app.navigation.look(orbit.orbit(app.navigation.camera, *rng.uniform(-40, 40, 2))),
-        lambda: app.navigation.look(orbit.pan(app.navigation.camera, *rng.uniform(-0.2, 0.2, 2))),
-        lambda: app.navigation.look(orbit.zoom(app.navigation.camera, rng.uniform(0.7, 1.4), 1.0)),
-        app.navigation.home,
-        app.navigation.frame_mesh,
+        lambda: app.actions.look(orbit.orbit(app.actions.camera, *rng.uniform(-40, 40, 2))),
+        lambda: app.actions.look(orbit.pan(app.actions.camera, *rng.uniform(-0.2, 0.2, 2))),
+        lambda: app.actions.look(orbit.zoom(app.actions.camera, rng.uniform(0.7, 1.4), 1.0)),
+        app.actions.home,
+        app.actions.frame_mesh,
         lambda: session.edit_scene("turn", env_rotate=float(rng.uniform(-180, 180))),
         lambda: session.edit_scene("exposure", exposure=float(rng.uniform(-9, 9))),
         lambda: session.edit_scene(background=bool(rng.integers(2))),
@@ -467,12 +483,12 @@ def act(app, rng):
         lambda: session.edit_yarn(index, "c", **curve.move(yarn, 0, 0.0, float(rng.uniform(-99, 99)))),
         lambda: session.choose_fabric(pick(("linen", "velvet", "silk_shot"))),
         session.reset_fabric,
-        app.undo,
-        app.redo,
+        app.session.undo,
+        app.session.redo,
         session.swap,
         lambda: session.compare(pick(("off", "split", "difference"))),
         lambda: glfw.set_window_size(app.host.window, int(rng.integers(440, 520)), int(rng.integers(40, 120))),
-        lambda: setattr(app, "show_panels", not app.show_panels),
+        lambda: app.layout.toggle_panels(),
         lambda: app.files.open(pick(("missing.obj", "README.md"))),
         lambda: session.choose_mode(pick(("cloth", "curtain"))),
         *curtain_actions(app, rng, pick),
@@ -485,15 +501,15 @@ def act(app, rng):
 
 def rest(app):
     """Both modes at rest, in a state that is the same each time: what is kept for each is then there."""
-    if app.tree is not None:
-        app.toggle_tree()
+    if app.drawing.tree is not None:
+        app.actions.toggle_tree()
     glfw.set_window_size(app.host.window, 480, 80)
-    app.show_panels = True
+    app.layout.show_panels = True
     session = app.session
     session.compare("off")
     session.choose_mode("curtain")
-    if app.player is not None and app.player.playing:
-        app.toggle_play()
+    if app.drawing.player is not None and app.drawing.player.playing:
+        app.actions.toggle_play()
     session.edit_curtain(accelerator="kdtree", depth=4, spp=1)
     session.hang(**{name: getattr(CurtainParameters(), name) for name in ("wind", "fullness")})
     settle(app)
@@ -512,12 +528,12 @@ def curtain_actions(app, rng, pick):
     terms = [c for c in controls(Transmission) if c.kind == "float"]
     term = pick(terms)
     return (
-        app.toggle_play,
-        app.toggle_play,
-        app.toggle_tree,
-        lambda: app.player and app.player.step(),
-        lambda: app.player and app.player.restart(),
-        lambda: app.tree and app.tree.show_level(pick((None, 0, 3, 8, 40))),
+        app.actions.toggle_play,
+        app.actions.toggle_play,
+        app.actions.toggle_tree,
+        lambda: app.drawing.player and app.drawing.player.step(),
+        lambda: app.drawing.player and app.drawing.player.restart(),
+        lambda: app.drawing.tree and app.drawing.tree.show_level(pick((None, 0, 3, 8, 40))),
         lambda: session.edit_curtain(accelerator=pick(("kdtree", "kdtree", "lbvh", "brute"))),
         lambda: session.edit_other(accelerator=pick(("kdtree", "lbvh")), depth=int(rng.integers(1, 5))),
         lambda: session.draw_other(bool(rng.integers(2))),
@@ -525,7 +541,7 @@ def curtain_actions(app, rng, pick):
         lambda: session.hang(name, **{name: float(rng.uniform(*limits[name]))}),
         lambda: session.hang(fullness=float(rng.uniform(1.0, 2.2))),
         lambda: session.edit_transmission(term.name, **{term.name: float(rng.uniform(term.low, term.high))}),
-        lambda: app.choose_fabric(pick(("lace", "sheer_voile", "linen"))),
+        lambda: app.actions.choose_fabric(pick(("lace", "sheer_voile", "linen"))),
     )
 
 
@@ -545,7 +561,7 @@ def touch_everything(app):
     settle(app)
     session.choose_mode("curtain")
     settle(app)
-    app.toggle_tree()
+    app.actions.toggle_tree()
     for name in ("kdtree", "lbvh", "brute"):
         session.edit_curtain(accelerator=name, depth=8, spp=2)
         settle(app)
@@ -568,11 +584,11 @@ def monkey(count):
         if number == count:
             break
         act(app, rng)
-        app._heard()
+        app.clock.heard()
         for _ in range(int(rng.integers(1, 4))):
             glfw.post_empty_event()
             app.step()
-        assert app.ctx.error == "GL_NO_ERROR", number
+        assert app.host.ctx.error == "GL_NO_ERROR", number
     app.close()
     return {"actions": count, "objects": objects, "memory_mb": memory}
 

@@ -63,7 +63,7 @@ class Hand:
 
     def at(self, label, share=0.5):
         """A place on a control; the panel is scrolled to it where it is out of sight."""
-        self.app._heard()
+        self.app.clock.heard()
         self.app.step()
         for _ in range(40):
             x0, y0, x1, y1 = self.places.of[label]
@@ -94,17 +94,17 @@ class Hand:
 
     def keep(self, name):
         """Save what the window shows."""
-        self.app._heard()
+        self.app.clock.heard()
         self.app.step()
         self.count += 1
-        pixels = self.app.screen()
+        pixels = self.app.actions.screen()
         write_image(self.folder / f"{self.count:02d}_{name}.png", linear(pixels))
         return pixels
 
     def frames(self, count):
         """Let the curtain play on by so many frames."""
-        end = self.app.frame + count
-        until(self.app, lambda: self.app.frame >= end, f"frame {end}")
+        end = self.app.actions.frame + count
+        until(self.app, lambda: self.app.actions.frame >= end, f"frame {end}")
 
 
 def linear(pixels):
@@ -115,7 +115,7 @@ def linear(pixels):
 
 def picture_of(pixels, app):
     """The part of the window left of the panels."""
-    return pixels[:, : app.rectangle()[2]].astype(int)
+    return pixels[:, : app.layout.rectangle()[2]].astype(int)
 
 
 def walk(folder, size):
@@ -126,29 +126,29 @@ def walk(folder, size):
     imgui.get_io().config_debug_highlight_id_conflicts = True
     settle(app)
     start, far = hand.keep("start"), distance(app)
-    eye = app.navigation.camera.eye
+    eye = app.actions.camera.eye
     middle = size[0] // 2, size[1] // 2
     hand.do(
         ["mousemove", *middle], ["mousedown", 1], *[["mousemove", middle[0] + 8 * k, middle[1]] for k in range(1, 6)],
         ["mouseup", 1],
     )  # fmt: skip
     orbited = hand.keep("orbit")
-    out["orbit"] = app.navigation.camera.eye != eye and abs(distance(app) - far) < 1e-6
+    out["orbit"] = app.actions.camera.eye != eye and abs(distance(app) - far) < 1e-6
     out["orbit_seen"] = changed(start, orbited, app)
     hand.do(["key", "Home"])
 
-    before = app.files.picture()
+    before = app.actions.picture()
     hand.drag("gamma_s", 0.05, 0.2)
     hand.keep("slider")
     out["slider"] = app.session.fabric.yarn[0].gamma_s_deg
-    out["slider_seen"] = float(np.abs(app.files.picture() - before).max())
+    out["slider_seen"] = float(np.abs(app.actions.picture() - before).max())
     hand.do(["mousemove", *middle], ["key", "ctrl+z"])
     hand.keep("undo")
-    out["undo"] = bool(np.array_equal(app.files.picture(), before))
+    out["undo"] = bool(np.array_equal(app.actions.picture(), before))
     hand.drag("point 2", 0.5, 0.5, dy=-25)
     hand.keep("curve")
     out["curve"] = app.session.fabric.yarn[0].curve_angles_deg
-    out["curve_seen"] = float(np.abs(app.files.picture() - before).max())
+    out["curve_seen"] = float(np.abs(app.actions.picture() - before).max())
 
     hand.click("Compare A and B", 0.3)
     hand.click("split", 0.2)
@@ -181,37 +181,37 @@ def walk(folder, size):
     hand.do(["key", "ctrl+a"])
     hand.type(str(folder / "bad.hdr"))
     hand.keep("bad_map")
-    out["bad"] = [app.messages[-1][0], "bad.hdr" in app.messages[-1][1], app.session.scene.env == str(sky)]
+    out["bad"] = [app.messages.lines[-1][0], "bad.hdr" in app.messages.lines[-1][1], app.session.scene.env == str(sky)]
     hand.do(["key", "Escape"])
-    out["cloth_messages"] = [text for kind, text in app.messages if kind == "error"]
+    out["cloth_messages"] = [text for kind, text in app.messages.lines if kind == "error"]
 
     hand.click("Curtain", 0.2)
     still = hand.keep("curtain")
     hand.do(["mousemove", *middle], ["key", "space"], wait=False)
     hand.frames(12)
     moved = hand.keep("curtain_playing")
-    out["played"] = app.player.playing and app.frame >= 12
+    out["played"] = app.drawing.player.playing and app.actions.frame >= 12
     out["played_seen"] = changed(still, moved, app)
     hand.drag("wind", 0.3, 0.55, wait=False)
     out["wind"] = app.session.curtain.curtain.wind
     hand.drag("openness", 0.2, 0.5, wait=False)
     out["openness"] = app.session.curtain.fabric.transmission.openness
-    out["still_playing"] = app.player.playing
+    out["still_playing"] = app.drawing.player.playing
     hand.do(["mousemove", *middle], ["key", "t"], wait=False)
-    until(app, lambda: app.tree.boxes > 100, "the tree's first picture")
-    first = app.tree.frame
-    until(app, lambda: app.tree.frame > first, "its next frame")
-    write_image(folder / "tree_playing.png", linear(app.tree.pixels()))
+    until(app, lambda: app.drawing.tree.boxes > 100, "the tree's first picture")
+    first = app.drawing.tree.frame
+    until(app, lambda: app.drawing.tree.frame > first, "its next frame")
+    write_image(folder / "tree_playing.png", linear(app.drawing.tree.pixels()))
     # How far it lags depends on the machine; it leaves out frames rather than holding the curtain up.
-    out["tree"] = [app.tree.boxes > 100, app.tree.frame <= app.frame]
+    out["tree"] = [app.drawing.tree.boxes > 100, app.drawing.tree.frame <= app.actions.frame]
     hand.do(["mousemove", *middle], ["key", "space"])
     hand.keep("curtain_paused")
-    out["paused"] = not app.player.playing and app.drawer.sides[0].share == 1.0
+    out["paused"] = not app.drawing.player.playing and app.drawing.drawer.sides[0].share == 1.0
     hand.click("leaves only", 0.05)
-    write_image(folder / "tree_level.png", linear(app.tree.pixels()))
-    out["level"] = [app.tree.level, app.tree.frame == app.frame]
+    write_image(folder / "tree_level.png", linear(app.drawing.tree.pixels()))
+    out["level"] = [app.drawing.tree.level, app.drawing.tree.frame == app.actions.frame]
     hand.click("tree in a window of its own", 0.05)
-    out["tree_closed"] = app.tree is None
+    out["tree_closed"] = app.drawing.tree is None
     hand.click("accelerator", 0.3)
     hand.click("lbvh")
     out["accelerator"] = app.session.curtain.accelerator
@@ -221,7 +221,10 @@ def walk(folder, size):
     hand.click("Cloth", 0.2)
     hand.keep("cloth_again")
     out["cloth_again"] = app.session.document.mode
-    out["gl_error"], out["messages"] = app.ctx.error, [text for kind, text in app.messages if kind == "error"][1:]
+    out["gl_error"], out["messages"] = (
+        app.host.ctx.error,
+        [text for kind, text in app.messages.lines if kind == "error"][1:],
+    )
     app.close()
     return out
 

@@ -3,25 +3,23 @@
 #include "inputs/tracing/surface_at.glsl"
 #include "inputs/tracing/transmission.glsl"
 
-uniform vec4 lamp;               // position, 1; or direction toward it, 0
-uniform vec3 intensity;          // W/sr of a point; irradiance of a distant one
+uniform vec3 lamp;               // its position
+uniform vec3 intensity;          // W/sr
 uniform vec3 ambient;            // radiance of the even light in the room
 uniform vec3 cloth_albedo;       // of the fabric in even light
 uniform float reflection_limit;  // dims the yarns' reflection so that no energy is gained
-uniform float far;
 
 struct LampRay {
     vec3 direction;  // toward the lamp
-    float distance;
     vec3 E;          // irradiance across the direction
     bool behind;     // the lamp is on the other side than the viewer
 };
 
 LampRay lamp_ray(vec3 p, Surface s) {
-    vec3 l = lamp.w > 0.0 ? lamp.xyz - p : lamp.xyz;
-    float distance_2 = lamp.w > 0.0 ? max(dot(l, l), 1e-12) : 1.0;
-    l *= lamp.w > 0.0 ? inversesqrt(distance_2) : 1.0;
-    return LampRay(l, lamp.w > 0.0 ? sqrt(distance_2) : far, intensity / distance_2, dot(s.N_g, l) < 0.0);
+    vec3 l = lamp - p;
+    float distance_2 = max(dot(l, l), 1e-12);
+    l *= inversesqrt(distance_2);
+    return LampRay(l, intensity / distance_2, dot(s.N_g, l) < 0.0);
 }
 
 vec3 even_light(Surface s) {
@@ -41,8 +39,7 @@ vec3 lamp_light_cloth(mat3 world_from_surface, vec3 omega_o, LampRay l) {
     vec3 i_t = vec3(omega_i.xy, -omega_i.z);
     vec3 o_t = vec3(omega_o.xy, -omega_o.z);
     return l.E * absorption(i_t, o_t, tau)
-           * (covered(i_t, o_t, rho) * k_t * max(i_t.z, 0.0)
-              * f_yarn(i_t, o_t, roughness, eta_1, eta_2, diffuse, roughness_p));
+           * f_through(i_t, o_t, k_t, rho, roughness, eta_1, eta_2, diffuse, roughness_p);
 }
 
 vec3 lamp_light(Surface s, mat3 world_from_surface, vec3 omega_o, LampRay l) {

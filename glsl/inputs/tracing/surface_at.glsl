@@ -2,9 +2,9 @@
 #include "core/shading_frame.glsl"
 #include "trace/octahedron.glsl"
 
-layout(binding = 12) uniform usamplerBuffer corner_data;     // three texels a triangle: x, y, z, packed normal
-layout(binding = 13) uniform usamplerBuffer attribute_data;  // one texel: material, packed x axis of each corner
-layout(binding = 14) uniform samplerBuffer material_data;    // one texel: diffuse reflectance, 1 if it is cloth
+uniform usamplerBuffer corner_data;     // three texels a triangle: x, y, z, packed normal
+uniform usamplerBuffer attribute_data;  // one texel: material, packed x axis of each corner
+uniform samplerBuffer material_data;    // one texel: diffuse reflectance, 1 if it is cloth
 
 struct Surface {
     vec3 N_g;     // geometric normal, toward the viewer

@@ -4,8 +4,9 @@
 // Pixels beyond the tile's edge repeat the last.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
-layout(std430, binding = 1) writeonly buffer Heads { vec4 head_out[]; };      // (origin, t_min) (direction, t_max)
-layout(std430, binding = 2) writeonly buffer Weights { vec4 weight_out[]; };  // what the ray counts for; its layer
+#include "inputs/gpu/item.glsl"
+layout(std430) writeonly buffer Heads { vec4 head_out[]; };      // (origin, t_min) (direction, t_max)
+layout(std430) writeonly buffer Weights { vec4 weight_out[]; };  // what the ray counts for; its layer
 uniform ivec2 size;         // of the picture
 uniform ivec2 tile_first;   // its first pixel, rows counted from below
 uniform ivec2 tile_blocks;  // how many blocks
@@ -16,7 +17,7 @@ uniform float far;
 uniform int stride;         // layers that a head has room for
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= 8 * tile_blocks.x * tile_blocks.y) return;
     ivec2 block = ivec2(i / 8 / tile_blocks.y, i / 8 % tile_blocks.y);
     ivec2 pixel = min(tile_first + block * ivec2(BLOCK_WIDTH, BLOCK_HEIGHT) + ivec2(i % BLOCK_WIDTH, i / BLOCK_WIDTH % BLOCK_HEIGHT), size - 1);

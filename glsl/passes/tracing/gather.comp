@@ -1,15 +1,16 @@
 #version 430
 // Adds to each ray of a generation what its children brought.   [Mat section 4.2, step 6]
 layout(local_size_x = 64) in;
-layout(binding = 8) uniform samplerBuffer next_radiance;
-layout(binding = 9) uniform usamplerBuffer children;
-layout(std430, binding = 3) buffer Radiances { vec4 radiance[]; };
+#include "inputs/gpu/item.glsl"
+uniform samplerBuffer next_radiance;
+uniform usamplerBuffer children;
+layout(std430) buffer Radiances { vec4 radiance[]; };
 uniform int ray_count;
 uniform int front_count;
 uniform int back_first;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= ray_count) return;
     if (i >= front_count) i += back_first - front_count;
     uvec2 next = texelFetch(children, i).xy;

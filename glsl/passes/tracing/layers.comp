@@ -2,17 +2,18 @@
 // Casts the heads of straight ways: the layers that each meets, by one traversal ("visit_layers.glsl"), for structures
 // that find hits in order. For the others passes/accel/rays.comp finds one layer at a time.
 #include "inputs/accel/ray.glsl"
-layout(std430, binding = 0) writeonly buffer Layers { uvec2 layer_out[]; };  // (t, triangle, v, w); `stride` a head
+layout(std430) writeonly buffer Layers { uvec2 layer_out[]; };  // (t, triangle, v, w); `stride` a head
 #include "inputs/tracing/visit_layers.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 11) uniform samplerBuffer heads;  // (origin, t_min) (direction, t_max)
+#include "inputs/gpu/item.glsl"
+uniform samplerBuffer heads;  // (origin, t_min) (direction, t_max)
 uniform int first_head;
 uniform int head_count;
 uniform int stride;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= head_count) return;
     i += first_head;
     vec4 o = texelFetch(heads, 2 * i);

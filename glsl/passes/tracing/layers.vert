@@ -1,7 +1,7 @@
 #version 430
 // The corners of the triangle soup in a given order of triangles, for the rasterised picture.
-layout(binding = 12) uniform usamplerBuffer corner_data;
-layout(binding = 15) uniform usamplerBuffer order;
+uniform usamplerBuffer corner_data;
+uniform usamplerBuffer order;
 uniform mat4 clip_from_world;
 out vec3 p;
 out vec3 weights;         // barycentric

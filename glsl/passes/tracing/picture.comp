@@ -2,15 +2,16 @@
 // Adds one sample of a tile to the picture, top row first.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 8) uniform samplerBuffer radiances;
-layout(std430, binding = 0) buffer Picture { vec4 picture[]; };
+#include "inputs/gpu/item.glsl"
+uniform samplerBuffer radiances;
+layout(std430) buffer Picture { vec4 picture[]; };
 uniform ivec2 size;
 uniform ivec2 tile_first;
 uniform ivec2 tile_blocks;
 uniform float share;  // 1 / samples
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= 8 * tile_blocks.x * tile_blocks.y) return;
     ivec2 block = ivec2(i / 8 / tile_blocks.y, i / 8 % tile_blocks.y);
     ivec2 pixel = tile_first + block * ivec2(BLOCK_WIDTH, BLOCK_HEIGHT) + ivec2(i % BLOCK_WIDTH, i / BLOCK_WIDTH % BLOCK_HEIGHT);

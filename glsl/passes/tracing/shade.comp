@@ -11,81 +11,50 @@
 // transmitted direction from the lobes instead of going straight on.
 #include "trace/shared.glsl"
 #include "trace/intersect.glsl"
-#include "trace/random.glsl"
+#include "trace/spread.glsl"
 #include "core/equirect.glsl"
 #include "inputs/tracing/local_light.glsl"
 #include "inputs/accel/ray.glsl"
+#include "inputs/tracing/claim.glsl"
 
 layout(local_size_x = 64) in;
-layout(binding = 6) uniform sampler2D environment_map;
-layout(binding = 8) uniform usamplerBuffer layers;    // (t, triangle, v, w), `stride` for each head
-layout(binding = 9) uniform usamplerBuffer order;     // the rays to shade
-layout(binding = 11) uniform samplerBuffer heads;     // (origin, t_min) (direction, t_max)
-layout(binding = 15) uniform samplerBuffer weights;   // (weight, layer)
-layout(std430, binding = 1) writeonly buffer Heads { vec4 head_out[]; };
-layout(std430, binding = 2) writeonly buffer Weights { vec4 weight_out[]; };
-layout(std430, binding = 3) writeonly buffer Radiances { vec4 radiance[]; };
-layout(std430, binding = 4) writeonly buffer Children { uvec2 children[]; };
-layout(std430, binding = 5) buffer Counts { uint count[]; };  // transmitted, mirrored, shadow rays; heads; 4, 5: trace_sort.comp
-layout(std430, binding = 6) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray) (radiance, -)
+#include "inputs/gpu/item.glsl"
+uniform sampler2D environment_map;
+uniform usamplerBuffer layers;    // (t, triangle, v, w), `stride` for each head
+uniform usamplerBuffer order;     // the rays to shade
+uniform samplerBuffer heads;     // (origin, t_min) (direction, t_max)
+uniform samplerBuffer weights;   // (weight, layer)
+layout(std430) writeonly buffer Heads { vec4 head_out[]; };
+layout(std430) writeonly buffer Weights { vec4 weight_out[]; };
+layout(std430) writeonly buffer Radiances { vec4 radiance[]; };
+layout(std430) writeonly buffer Children { uvec2 children[]; };
+layout(std430) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray) (radiance, -)
 uniform int stride;
 uniform bool layered;
-uniform int ray_count;
-uniform int order_first;     // where they begin in the list
 uniform int next_last;       // the last place in the next generation's queue; mirrored rays fill it from here down
 uniform int level;
 uniform int last_level;
 uniform int generation_seed;  // of the sample and the level
+uniform float far;           // beyond everything
 uniform float cutoff;        // rays that count for less are not followed
 uniform float offset;        // how far off the surface new rays begin
 uniform vec3 background;
 uniform bool has_environment;
 uniform mat3 environment_from_world;
 
-float largest(vec3 v) { return max(v.r, max(v.g, v.b)); }
-
 vec3 sky(vec3 d) {
     if (!has_environment) return background;
     return textureLod(environment_map, uv_from_direction(normalize(environment_from_world * d)), 0.0).rgb;
 }
 
-// A direction through the sheet and what the ray along it counts for, drawn from holes, directed and diffuse transmission.
-// omega_o: toward the viewer in the frame with z = N; the result points away on the other side (z < 0). The seed is made of
-// the ray, not of its place in the queue, which depends on timing.
-vec3 drawn_direction(vec3 omega_o, uvec3 seed, out vec3 weight) {
-    float open = T_open(omega_o, rho);
-    vec3 yarns = (1.0 - open) * k_t * absorption(omega_o, omega_o, tau);
-    float p_open = k_a * open / max(k_a * open + largest(yarns), 1e-12);
-    uvec3 hash = hash3(seed);
-    vec2 u = unit_square(hash.xy);
-    float pick = unit_square(hash.zz).x;
-    weight = vec3(largest(yarns) > 0.0 ? 1.0 : 0.0) * yarns / max(1.0 - p_open, 1e-12);
-    if (pick < p_open) {
-        weight = vec3(k_a * open / p_open);
-        return -omega_o;
-    }
-    float part = (pick - p_open) / max(1.0 - p_open, 1e-12);
-    vec3 d;
-    if (part < 0.5) {
-        vec3 h = facet_direction(u, roughness_p);
-        vec3 r = reflect(-omega_o, h);
-        d = vec3(r.xy, -r.z);
-    } else if (part < 0.5 + 0.5 * diffuse) {
-        d = -cosine_direction(u);
-    } else {
-        d = refract(-omega_o, facet_direction(u, roughness), eta_1 / eta_2);
-    }
-    return d.z < 0.0 ? d : -omega_o;
-}
-
-#include "inputs/tracing/claim.glsl"
-
 void main() {
     begin_claims();
-    int place = int(gl_GlobalInvocationID.x);
-    bool live = place < ray_count;
+    uint place = uint(item());
+    uint rays = count[CLOTH == 1 ? ON_CLOTH : ELSEWHERE];
+    bool live = place < rays;
     // Invocations behind the end shade the last ray again, and keep it to themselves.
-    int i = int(texelFetch(order, order_first + min(place, ray_count - 1)).x);
+    place = min(place, rays - 1u) + (CLOTH == 1 ? 0u : count[ON_CLOTH]);
+    int i = int(texelFetch(order, int(place)).x);
     vec4 weight = texelFetch(weights, i);
     int layer = floatBitsToInt(weight.a);
     int head = layer / stride;
@@ -114,8 +83,16 @@ void main() {
     vec3 onward = d;
     vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
 #if SPREAD == 1
-    uvec3 seed = uvec3(floatBitsToUint(d.x), floatBitsToUint(d.y), uint(generation_seed));
-    vec3 drawn = world_from_surface * drawn_direction(omega_o, seed, through);
+    // The seed is made of the ray, not of its place in the queue, which depends on timing.
+    uvec3 hash = hash3(uvec3(floatBitsToUint(d.x), floatBitsToUint(d.y), uint(generation_seed)));
+    vec4 parts = straight_parts(omega_o, k_a, k_t, tau, rho);
+    float chance = hole_chance(parts);
+    float pick = unit_square(hash.zz).x;
+    bool hole = pick < chance;
+    through = drawn_weight(parts, int(hole));
+    float part = (pick - chance) / max(1.0 - chance, 1e-12);
+    vec3 drawn = world_from_surface * (hole ? -omega_o : yarn_direction(omega_o, unit_square(hash.xy), part, roughness, eta_1,
+                                                                        eta_2, diffuse, roughness_p));
     if (dot(drawn, s.N_g) < 0.0) {
         onward = drawn;
         from = vec4(p - offset * s.N_g, 0.0);
@@ -125,22 +102,22 @@ void main() {
     vec3 mirrored = weight.rgb * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
     bool goes_on = live && level < last_level && largest(through) > cutoff;
     bool is_mirrored = live && level < last_level && largest(mirrored) > cutoff;
-    uint onward_claim = goes_on ? claim(0) : 0u;
-    uint onward_head = goes_on && !layered ? claim(3) : 0u;
-    uint mirrored_claim = is_mirrored ? claim(1) : 0u;
-    uint mirrored_head = is_mirrored ? claim(3) : 0u;
+    uint onward_claim = goes_on ? claim(ONWARD) : 0u;
+    uint onward_head = goes_on && !layered ? claim(HEADS) : 0u;
+    uint mirrored_claim = is_mirrored ? claim(MIRRORED) : 0u;
+    uint mirrored_head = is_mirrored ? claim(HEADS) : 0u;
 #endif
     bool waits = live && met && largest(direct) > 1e-5 * cutoff;
-    uint shadow_claim = waits ? claim(2) : 0u;
+    uint shadow_claim = waits ? claim(WAITING) : 0u;
     settle_claims();
 
     uvec2 next = uvec2(NO_TRIANGLE);
 #if CLOTH == 1
     if (goes_on) {
-        next.x = place_of(0, onward_claim);
+        next.x = place_of(ONWARD, onward_claim);
         int next_layer = layer + 1;
         if (!layered) {
-            uint k = place_of(3, onward_head);
+            uint k = place_of(HEADS, onward_head);
             head_out[2u * k] = from;
             head_out[2u * k + 1u] = vec4(onward, far);
             next_layer = int(k) * stride;
@@ -148,12 +125,10 @@ void main() {
         weight_out[next.x] = vec4(through, intBitsToFloat(next_layer));
     }
     if (is_mirrored) {
-        vec3 r = reflect(d, s.N);
-        if (dot(r, s.N_g) <= 0.0) r = reflect(d, s.N_g);
-        next.y = uint(next_last) - place_of(1, mirrored_claim);
-        uint k = place_of(3, mirrored_head);
+        next.y = uint(next_last) - place_of(MIRRORED, mirrored_claim);
+        uint k = place_of(HEADS, mirrored_head);
         head_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
-        head_out[2u * k + 1u] = vec4(r, far);
+        head_out[2u * k + 1u] = vec4(mirrored_direction(d, s.N, s.N_g), far);
         weight_out[next.y] = vec4(mirrored, intBitsToFloat(int(k) * stride));
     }
 #endif
@@ -162,7 +137,7 @@ void main() {
         children[i] = next;
     }
     if (waits) {
-        uint k = place_of(2, shadow_claim);
+        uint k = place_of(WAITING, shadow_claim);
         shadow_out[2u * k] = vec4(p + (l.behind ? -offset : offset) * s.N_g, intBitsToFloat(i));
         shadow_out[2u * k + 1u] = vec4(direct, 0.0);
     }

@@ -7,23 +7,24 @@
 #include "inputs/tracing/visit_attenuate.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 11) uniform samplerBuffer shadows;  // (point, ray) (radiance, -)
-layout(std430, binding = 3) buffer Radiances { vec4 radiance[]; };
-layout(std430, binding = 6) buffer Shadows { vec4 shadow_out[]; };
+#include "inputs/gpu/item.glsl"
+uniform samplerBuffer shadows;  // (point, ray) (radiance, -)
+layout(std430) buffer Radiances { vec4 radiance[]; };
+layout(std430) buffer Shadows { vec4 shadow_out[]; };
 uniform int shadow_count;
 uniform bool last_chunk;
-uniform vec4 lamp;         // position, 1; or direction toward it, 0
+uniform vec3 lamp;         // its position
 uniform float beyond;      // further than this from a point of the scene there is nothing
 uniform float offset;      // nearer than this to the lamp nothing counts
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= shadow_count) return;
     vec4 point = texelFetch(shadows, 2 * i);
     vec3 light = texelFetch(shadows, 2 * i + 1).rgb;
-    vec3 toward = lamp.w > 0.0 ? lamp.xyz - point.xyz : lamp.xyz;
-    float distance = lamp.w > 0.0 ? length(toward) : 2.0 * beyond;
-    vec3 d = lamp.w > 0.0 ? toward / max(distance, 1e-12) : toward;
+    vec3 toward = lamp - point.xyz;
+    float distance = length(toward);
+    vec3 d = toward / max(distance, 1e-12);
     float reach = min(distance - offset, beyond);
     Visit visit = start_visit(reach);
     Ray ray = make_ray(point.xyz + reach * d, -d, 0.0, reach);

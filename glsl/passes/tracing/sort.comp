@@ -1,20 +1,31 @@
 #version 430
 // Parts the rays of one generation: those that hit cloth from the front of the list, all others from its back. Each kind is
 // shaded by a dispatch of its own, because a software rasteriser executes the code of both for every ray that it takes
-// together. An invocation takes PART_SHARE neighbours, so that it meets the others at the two counters only once.
+// together. An invocation takes PART_SHARE neighbours, so that it meets the others at the two counters only once. It also
+// counts the work groups of these dispatches, so that the CPU need not wait for the numbers.
 #include "trace/shared.glsl"
+#include "inputs/tracing/counts.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 8) uniform usamplerBuffer layers;           // (t, triangle, v, w)
-layout(binding = 13) uniform usamplerBuffer attribute_data;  // one texel: material, -
-layout(binding = 15) uniform samplerBuffer weights;          // (weight, layer)
-layout(std430, binding = 0) writeonly buffer Order { uint order[]; };
-layout(std430, binding = 5) buffer Counts { uint count[]; };  // (4) on cloth, (5) others
+#include "inputs/gpu/item.glsl"
+uniform usamplerBuffer layers;           // (t, triangle, v, w)
+uniform usamplerBuffer attribute_data;  // one texel: material, -
+uniform samplerBuffer weights;          // (weight, layer)
+layout(std430) writeonly buffer Order { uint order[]; };
 uniform int ray_count;
 uniform int front_count;
 uniform int back_first;
+uniform uint column_rays;  // of the work groups along y that one along x stands for
+
+// A place for `rays` more in one of the two lists; the column of work groups that the last one begins is counted.
+uint place_in(int list, int groups, uint rays) {
+    uint first = atomicAdd(count[list], rays);
+    uint begun = (first + rays + column_rays - 1u) / column_rays - (first + column_rays - 1u) / column_rays;
+    if (begun > 0u) atomicAdd(count[groups], begun);
+    return first;
+}
 
 void main() {
-    int begin = PART_SHARE * int(gl_GlobalInvocationID.x);
+    int begin = PART_SHARE * item();
     int end = min(begin + PART_SHARE, ray_count);
     if (begin >= end) return;
     int aside = back_first - front_count;  // how far off the second run lies
@@ -29,8 +40,8 @@ void main() {
         ++place;
     } while (place < end);
     uint on_cloth = uint(bitCount(cloth));
-    uint first = atomicAdd(count[4], on_cloth);
-    uint last = uint(ray_count) - 1u - atomicAdd(count[5], uint(end - begin) - on_cloth);
+    uint first = place_in(ON_CLOTH, CLOTH_GROUPS, on_cloth);
+    uint last = uint(ray_count) - 1u - place_in(ELSEWHERE, OTHER_GROUPS, uint(end - begin) - on_cloth);
     place = begin;
     do {
         bool here = (cloth >> uint(place - begin) & 1u) != 0u;

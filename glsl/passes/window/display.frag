@@ -1,8 +1,8 @@
 #version 430
 // A linear picture, or the difference of two, as codes for the screen: exposure and view transform.
 // The transforms are those of glcloth/color.py, which cites them.
-layout(binding = 0) uniform sampler2D picture_a;
-layout(binding = 1) uniform sampler2D picture_b;
+uniform sampler2D picture_a;
+uniform sampler2D picture_b;
 uniform vec2 extent;            // size of the result, pixels
 uniform float exposure;         // stops
 uniform int view_transform;     // 0 standard, 1 filmic, 2 neutral, 3 agx

@@ -1,8 +1,8 @@
 #version 430
 // Copies a drawn picture for the window; a sum that is not complete yet is filled up with the picture shown so far.
-layout(binding = 0) uniform sampler2D drawn;
-layout(binding = 1) uniform sampler2D shown;
-layout(binding = 2) uniform sampler2D frame_N;  // w != 0 where the last sample sees the cloth
+uniform sampler2D drawn;
+uniform sampler2D shown;
+uniform sampler2D frame_N;  // w != 0 where the last sample sees the cloth
 uniform float gain;  // samples in all / samples finished
 uniform int mode;    // 0 copy, 1 some samples are finished, 2 not even the first is
 out vec4 color;

@@ -1,7 +1,7 @@
 #version 430
 // Copies a traced picture for the window: what has no sample yet shows the picture before, in whatever size that one is.
-layout(std430, binding = 0) readonly buffer Picture { vec4 picture[]; };  // sum / samples in all; samples added
-layout(binding = 1) uniform sampler2D shown;
+layout(std430) readonly buffer Picture { vec4 picture[]; };  // sum / samples in all; samples added
+uniform sampler2D shown;
 uniform ivec2 size;
 uniform float samples;  // in all
 out vec4 color;

@@ -1,0 +1,76 @@
+"""The command line: each command reads its options, calls the package, and says in one line what it did or what is wrong."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+
+from cyclopts import App, CycloptsError
+
+from .. import __version__
+from ..errors import InputError, NoOpenGLError, ShaderError
+from ..progress import hear_ctrl_c, say, was_stopped
+from .light import env, tables
+from .measure import bench, diff, info
+from .render import render, view
+from .sequence import animate, drape
+
+ABOUT = """Woven cloth as it really looks, on OpenGL.
+
+Exit codes: 0 done, 1 a fault of glcloth, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C.
+GLCLOTH_CACHE names the folder for fits and tables made on this machine (`glcloth info` shows it).
+"""
+app = App(name="glcloth", help=ABOUT, version=__version__, help_format="plaintext", suppress_keyboard_interrupt=False)
+
+for _command in (render, animate, view, tables, env, drape, diff, info, bench):
+    app.command(_command)
+
+
+def _with_heights(arguments: list[str]) -> list[str]:
+    """The arguments with each --ground and its height in one, `auto` where none follows."""
+    out: list[str] = []
+    waiting = False
+    for argument in arguments:
+        given = waiting and re.fullmatch(r"auto|off|[-+]?(\.?\d.*|nan|inf)", argument)
+        if waiting:
+            out.append("--ground=" + (argument if given else "auto"))
+        waiting = argument == "--ground"
+        if not given and not waiting:
+            out.append(argument)
+    return [*out, "--ground=auto"] if waiting else out
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run one command. Exit 0 done, 1 a fault of ours, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C."""
+    arguments = _with_heights(sys.argv[1:] if arguments is None else arguments)
+    hear_ctrl_c()
+    try:
+        app(arguments, exit_on_error=False, print_error=False)
+    except CycloptsError as error:
+        code, line = 2, " ".join(str(error).split())
+    except InputError as error:
+        code, line = 2, str(error)
+    except NoOpenGLError as error:
+        code, line = 3, str(error)
+    except ShaderError as error:
+        code, line = 1, f"a shader does not compile on this driver: {error}"
+    except MemoryError:
+        code, line = 2, "out of memory; choose a smaller --size, --grid or environment"
+    except BrokenPipeError:
+        code, line = 0, ""
+    except KeyboardInterrupt:
+        code, line = 130, ""
+    except Exception as error:
+        if os.environ.get("GLCLOTH_DEBUG"):
+            raise
+        what = " ".join(f"{type(error).__name__}: {error}".split())
+        code, line = 1, f"a fault of glcloth, please report it: {what}; GLCLOTH_DEBUG=1 shows where"
+    else:
+        return
+    # A module that was being imported may have swallowed Ctrl-C and failed of the consequences.
+    if was_stopped() or code == 130:
+        code, line = 130, "stopped; nothing was left half-written"
+    if line:
+        say(f"glcloth: {' '.join(line.split())}" if code == 2 else f"glcloth: {line}")
+    sys.exit(code)

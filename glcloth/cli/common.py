@@ -1,0 +1,26 @@
+"""What commands have in common: options that several have, and how a result is told."""
+
+from __future__ import annotations
+
+import json
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from ..progress import say
+
+Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object on stdout.")]
+Device = Annotated[int | None, Parameter(help="EGL device; `glcloth info` lists them.")]
+
+
+def output_option(text: str) -> Parameter:
+    """The option that names what a command writes."""
+    return Parameter(name=["--output", "-o"], help=text)
+
+
+def tell(as_json: bool, result: dict, line: str) -> None:
+    """Print a result: one JSON object on stdout, or a line for people on stderr."""
+    if as_json:
+        print(json.dumps(result), flush=True)
+    else:
+        say(line)

@@ -1,0 +1,131 @@
+"""`glcloth diff`, `glcloth info`, `glcloth bench`: what is measured."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import App, Parameter
+
+from ..errors import InputError
+from .common import Device, Json, output_option, tell
+from .options import SceneOptions, scene_of
+
+
+def diff(
+    a: Path,
+    b: Path,
+    /,
+    *,
+    metric: Annotated[
+        Literal["flip", "rmse", "relmse", "psnr"] | None, Parameter(help="One metric; default: all.")
+    ] = None,
+    scale: Annotated[float, Parameter(help="Brightness of the difference picture.")] = 8.0,
+    output: Annotated[Path | None, output_option("Difference picture to write, .png or .exr.")] = None,
+    json: Json = False,
+) -> None:
+    """Compare a picture with a reference.
+
+    Parameters
+    ----------
+    a
+        The picture to judge.
+    b
+        The reference.
+    """
+    from ..image import check_output, read_image, write_image
+    from ..metrics import METRICS, check_alike, compare, difference
+
+    if not scale > 0:
+        raise InputError(f"--scale {scale}: expected a number above 0")
+    if output is not None:
+        check_output(output)
+    test, reference = read_image(a), read_image(b)
+    check_alike(test, reference, f"{a}, {b}")
+    values = compare(test, reference, [metric] if metric else METRICS)
+    if output is not None:
+        write_image(output, difference(test, reference, scale))
+    if json:
+        values = {k: (v if v != float("inf") else None) for k, v in values.items()}
+        tell(True, {"a": str(a), "b": str(b), **values, **({"file": str(output)} if output else {})}, "")
+    else:
+        print("  ".join(f"{name} {value:.6g}" for name, value in values.items()), flush=True)
+
+
+def info(*, device: Device = None, json: Json = False) -> None:
+    """Show versions, the GL renderer and its limits, devices, and the cache."""
+    from ..bench.cloth import machine
+
+    facts = machine(device)
+    if json:
+        tell(True, facts, "")
+        return
+    for key, value in facts.items():
+        if isinstance(value, dict):
+            value = ", ".join(f"{k} {v}" for k, v in value.items())
+        elif isinstance(value, list):
+            value = "; ".join(str(v) for v in value)
+        print(f"{key:12} {value}")
+
+
+bench = App(name="bench", help="Measure on the built-in scenes.", help_format="plaintext")
+
+
+@bench.command(name="cloth")
+def bench_cloth(
+    *,
+    frames: Annotated[int, Parameter(help="Frames per method; the median is reported.")] = 5,
+    methods: Annotated[str, Parameter(help="Comma-separated: direct, paper, reference.")] = "direct,paper,reference",
+    options: SceneOptions | None = None,
+    device: Device = None,
+    json: Json = False,
+) -> None:
+    """Frame times of the environment-lit methods in one run."""
+    scene = scene_of(None, options)
+
+    from ..bench import cloth as measure
+
+    result = measure.cloth(scene, [m.strip() for m in methods.split(",")], frames, device)
+    tell(json, result, measure.cloth_table(result))
+
+
+@bench.command(name="tables")
+def bench_tables(
+    *fabrics: str,
+    grid: Annotated[int, Parameter(help="Directions per axis.")] = 48,
+    contribution: Annotated[float, Parameter(help="Share of the sum of singular values to keep.")] = 0.9,
+    json: Json = False,
+) -> None:
+    """Seconds, bytes and ranks of the paper method's tables, made afresh.
+
+    Parameters
+    ----------
+    fabrics
+        Default: all built-in fabrics.
+    """
+    from ..methods.paper.tables import bench as measure
+
+    result, lines = measure(fabrics, grid, contribution)
+    tell(json, result, lines)
+
+
+@bench.command(name="curtain")
+def bench_curtain(
+    *,
+    frames: Annotated[int, Parameter(help="Animated frames; medians are reported.")] = 60,
+    triangles: Annotated[int, Parameter(help="About how many triangles, room and curtain together.")] = 12786,
+    options: SceneOptions | None = None,
+    device: Device = None,
+    json: Json = False,
+) -> None:
+    """Simulation, build and trace of the moving curtain, 320x320 unless --size says otherwise."""
+    size = "320x320" if options is None or options.size is None else options.size
+    scene = scene_of("curtain", options, size=size)
+
+    from ..bench.curtain import bench_curtain as measure
+    from ..gpu.context import create_context
+
+    result = measure(create_context(device), scene, frames, triangles)
+    keys = ("triangles", "rays", "nodes", "sim_ms", "build_ms", "trace_ms", "frame_ms", "cpu_ms", "fps")
+    keys += ("primary_rays_per_second",)
+    tell(json, result, "  ".join(f"{key} {result[key]}" for key in keys if key in result))

@@ -1,0 +1,44 @@
+"""Options that are fields of a scene. Made from these by `python -m glcloth.generate`: do not edit."""
+
+# fmt: off
+# ruff: noqa: E501
+from dataclasses import dataclass
+from typing import Annotated
+
+from cyclopts import Parameter
+
+
+@Parameter(name="*")
+@dataclass
+class SceneOptions:
+    """What to render; an option that is not given keeps the scene's value."""
+
+    fabric: Annotated[str | None, Parameter(help="Built-in fabric or a .toml file.")] = None
+    mesh: Annotated[str | None, Parameter(help="Built-in mesh or a file (.obj .ply .glb .gltf).")] = None
+    objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, matt, in its own colours; repeatable.")] = None
+    ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; or off (m).")] = None
+    ground_color: Annotated[str | None, Parameter(help="What the ground reflects, R,G,B (0 to 1 linear Rec. 709).")] = None
+    env: Annotated[str | None, Parameter(help="Built-in environment or an equirectangular .hdr or .exr file.")] = None
+    env_rotate: Annotated[float | None, Parameter(help="Turn the environment about +Y; in the window, drag with the right button (degrees).")] = None
+    lobes: Annotated[str | None, Parameter(help="Spherical Gaussians fitted to the environment, 1 to 64, or auto.")] = None
+    lights: Annotated[str | None, Parameter(help="File of lights (.json, .toml) instead of a fit; `glcloth env` writes one.")] = None
+    method: Annotated[str | None, Parameter(help="How light on the cloth is summed; the curtain is traced (direct, paper, reference or trace).")] = None
+    quality: Annotated[str | None, Parameter(help="Nodes per light: draft is fastest, high is closest to the reference (draft, normal or high; method direct).")] = None
+    adaptive: Annotated[bool | None, Parameter(help="Shade one pixel in four where neighbours are alike; small pictures in the window always do (method direct).")] = None
+    light: Annotated[str | None, Parameter(help="The fitted lights, or the map itself (sg or map; method reference).")] = None
+    shadows: Annotated[str | None, Parameter(help="What the cloth hides from itself: nothing, the suns, or all the light (off, sun or full).")] = None
+    bounce: Annotated[bool | None, Parameter(help="Light from fold to fold, once (with shadows full).")] = None
+    segments: Annotated[int | None, Parameter(help="Theta segments per Gaussian; the paper has 6 (2 to 64; method paper).")] = None
+    cube: Annotated[int | None, Parameter(help="Edge of the cube map whose directions are summed (4 to 128 texels; method reference).")] = None
+    grid: Annotated[int | None, Parameter(help="Directions per axis of the tables; a change makes new ones (8 to 96; method paper).")] = None
+    contribution: Annotated[float | None, Parameter(help="Share of the singular values that tables keep; a change makes new ones (0.5 to 0.9999; method paper).")] = None
+    spp: Annotated[int | None, Parameter(help="Samples per pixel of a whole picture (1 to 4096).")] = None
+    size: Annotated[str | None, Parameter(help="WIDTHxHEIGHT (pixels).")] = None
+    exposure: Annotated[float | None, Parameter(help="Brightness on screen and in PNG files; EXR files keep the light itself (-20 to 20 stops).")] = None
+    view_transform: Annotated[str | None, Parameter(help="From light to the screen and PNG files (standard, filmic, neutral or agx).")] = None
+    background: Annotated[bool | None, Parameter(help="Show the environment behind the cloth.")] = None
+    accelerator: Annotated[str | None, Parameter(help="What rays are traced through; all give the same picture (kdtree, lbvh or brute; curtain).")] = None
+    depth: Annotated[int | None, Parameter(help="Generations of rays: through the cloth and mirrored by it (1 to 8; curtain).")] = None
+    room: Annotated[str | None, Parameter(help="OBJ file of the room; none: built in (curtain).")] = None
+    fullness: Annotated[float | None, Parameter(help="Width of the cloth over that of the rail (1 to 4; curtain).")] = None
+    wind: Annotated[float | None, Parameter(help="Wind into the room, perpendicular to the window; animate: along the built-in cloth (-20 to 20 m/s; curtain).")] = None

@@ -1,0 +1,103 @@
+"""What a traced picture shows of a scene and how it is traced; what the last one took."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from ..errors import InputError
+from ..fabric import Fabric, Transmission
+from ..geometry.camera import Camera, sample_offsets
+from ..light.environment import Environment
+from .lamp import Lighting
+
+DEEPEST = 8
+
+
+@dataclass(frozen=True)
+class TraceSettings:
+    """How a picture is traced.
+
+    depth : generations of rays, 1 to 8 (the paper's level 4). spp : samples per pixel. spread : draw transmitted
+    directions from the fabric's lobes, so that what is seen through the yarns blurs (needs many samples) instead of going
+    straight on. cutoff : rays that count for less are not followed. accelerator : kdtree, lbvh or brute.
+    """
+
+    depth: int = 4
+    spp: int = 1
+    spread: bool = False
+    cutoff: float = 1e-3
+    accelerator: str = "kdtree"
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.depth <= DEEPEST:
+            raise InputError(f"depth = {self.depth}, expected 1 to {DEEPEST} generations of rays")
+        if not 1 <= self.spp <= 4096:
+            raise InputError(f"spp = {self.spp}, expected 1 to 4096 samples per pixel")
+        if not 0 <= self.cutoff < 1:
+            raise InputError(f"cutoff = {self.cutoff}, expected 0 or more and less than 1")
+
+
+@dataclass(frozen=True)
+class Shot:
+    """What a picture shows of a scene, and how.
+
+    size : width, height in pixels. environment : seen by rays that leave the scene, turned by `env_rotate` degrees.
+    offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `settings.spp` points.
+    """
+
+    camera: Camera
+    size: tuple[int, int]
+    fabric: Fabric
+    lighting: Lighting = field(default_factory=Lighting)
+    environment: Environment | None = None
+    settings: TraceSettings = TraceSettings()
+    env_rotate: float = 0.0
+    offsets: tuple[tuple[float, float], ...] | None = None
+
+    def __post_init__(self) -> None:
+        if self.fabric.transmission is None:
+            raise InputError(
+                f"fabric {self.fabric.name}: has no [transmission], which the ray tracer needs; add the block, or take "
+                "sheer_voile"
+            )
+
+    @property
+    def samples(self) -> Sequence[tuple[float, float]]:
+        """Where in the pixel the samples lie."""
+        return self.offsets or sample_offsets(self.settings.spp)
+
+    @property
+    def transmission(self) -> Transmission:
+        """How light passes through the fabric."""
+        assert self.fabric.transmission is not None
+        return self.fabric.transmission
+
+
+@dataclass
+class TraceStatistics:
+    """What the last picture took: rays and shadow rays per generation, how many rays were heads of a straight way and so
+    were cast, ms of each stage per generation (`build` by the structure's stages), ms in all."""
+
+    rays: list[int] = field(default_factory=list)
+    heads: list[int] = field(default_factory=list)
+    shadow_rays: list[int] = field(default_factory=list)
+    trace_ms: list[float] = field(default_factory=list)
+    shade_ms: list[float] = field(default_factory=list)
+    shadow_ms: list[float] = field(default_factory=list)
+    build_ms: dict[str, float] = field(default_factory=dict)
+    total_ms: float = 0.0
+
+    def add(self, level: int, rays: int, heads: int, shadow_rays: int, stages_ms: Sequence[float]) -> None:
+        """Add one generation of one tile; `stages_ms`: trace, shade, shadow."""
+        columns: tuple[list, ...] = (
+            self.rays,
+            self.heads,
+            self.shadow_rays,
+            self.trace_ms,
+            self.shade_ms,
+            self.shadow_ms,
+        )
+        for column, value in zip(columns, (rays, heads, shadow_rays, *stages_ms), strict=True):
+            column.extend([0] * (level + 1 - len(column)))
+            column[level] += value

@@ -1,0 +1,137 @@
+"""What panels, keys and files may ask for, and what they may know. Nothing else of the window is theirs to touch."""
+
+from __future__ import annotations
+
+import glfw
+import numpy as np
+
+from ..geometry.camera import Camera
+from ..light.fit import FitReport
+from ..scene import View
+from . import orbit
+from .curtain import Player
+from .drawing import Drawing
+from .layout import Layout
+from .messages import Messages
+from .state import Session
+from .tree_window import TreeWindow
+
+
+class Actions:
+    """Edits go to `session`, by `attempt` where they may fail; `layout` holds what is shown, `messages` what is said.
+
+    Everything else that can be done is a method, everything that can be asked a property.
+    """
+
+    def __init__(self, session: Session, drawing: Drawing, layout: Layout, messages: Messages):
+        self.session, self.layout, self.messages = session, layout, messages
+        self.attempt, self.note = messages.attempt, messages.note
+        self.go_to, self.toggle_tree, self.picture = drawing.go_to, drawing.toggle_tree, drawing.picture
+        self.reload_shaders = drawing.reload_shaders
+        self._drawing = drawing
+
+    # -- what can be asked -------------------------------------------------------------------------------------------
+
+    @property
+    def shows_something(self) -> bool:
+        return self._drawing.shows_something
+
+    @property
+    def complete(self) -> bool:
+        """True when the picture is what `render` makes of the scene."""
+        return self._drawing.complete
+
+    @property
+    def waits_for(self) -> str:
+        """What is being made that the picture needs, in words; empty for nothing."""
+        return self._drawing.resources.doing if self._drawing.pending else ""
+
+    @property
+    def status(self) -> list[str]:
+        """What is going on, in words."""
+        return self._drawing.drawer.status(self.session.shown)
+
+    @property
+    def device(self) -> tuple[str, bool]:
+        """What draws, and whether that is software."""
+        host = self._drawing.host
+        return host.ctx.info["GL_RENDERER"], host.software
+
+    @property
+    def light(self) -> FitReport | None:
+        """How the lights of the cloth were fitted."""
+        ready = self._drawing.ready
+        return ready[0].report if ready and ready[0] is not None else None
+
+    @property
+    def player(self) -> Player:
+        """The curtain: what it does and how far it is."""
+        return self._drawing.player
+
+    @property
+    def frame(self) -> int:
+        """The frame of the curtain that is shown; 0 for a cloth."""
+        return self.player.frame if self.session.in_curtain else 0
+
+    @property
+    def tree(self) -> TreeWindow | None:
+        """The tree's window, while it is open."""
+        return self._drawing.tree
+
+    def screen(self) -> np.ndarray:
+        """The window as it is, uint8 [H, W, 3], top row first."""
+        self.paint()
+        return self._drawing.host.pixels()
+
+    # -- what can be done --------------------------------------------------------------------------------------------
+
+    def paint(self) -> None:
+        """Draw the window: the picture and the panels over it."""
+        host = self._drawing.host
+        host.clear()
+        self._drawing.paint(self.layout.rectangle())
+        host.draw_panels()
+
+    def copy(self, text: str) -> None:
+        """Put a text into the clipboard."""
+        glfw.set_clipboard_string(self._drawing.host.window, text)
+
+    def choose_fabric(self, name: str) -> None:
+        """Take another fabric; in the curtain one without transmission gets a sheer's. Raises InputError."""
+        self.session.choose_fabric(name)
+        if self.session.in_curtain and self.session.resolve(name).transmission is None:
+            self.note(f"{name} has no [transmission]: that of a white sheer was added")
+
+    @property
+    def camera(self) -> Camera:
+        """The camera of the picture."""
+        return self._drawing.drawer.camera(self.session.shown)
+
+    def look(self, camera: Camera) -> None:
+        """Take another camera: no step of undo."""
+        self.session.look(orbit.view_of(camera))
+
+    def home(self) -> None:
+        """The view that the scene comes with."""
+        self.session.look(View())
+
+    def frame_mesh(self) -> None:
+        """All of the cloth into the picture, from where the eye looks."""
+        if (mesh := self._drawing.drawer.mesh) is not None:
+            width, height = self.session.shown.size
+            self.look(orbit.frame(self.camera, mesh, width / height))
+
+    def zoom(self, factor: float) -> None:
+        """Scale the eye's distance."""
+        radius = 2.0 if self.session.in_curtain else self._drawing.refiner.frames[0].mesh.radius
+        self.look(orbit.zoom(self.camera, factor, radius))
+
+    def toggle_play(self) -> None:
+        """Let the wind blow, or stop it."""
+        (self.player.pause if self.player.playing else self.player.play)()
+
+    def look_again(self, anew: bool = False) -> None:
+        """Look at the files again, which may have changed; `anew`: and draw, whatever has been drawn."""
+        self._drawing.pending = True
+        if anew:
+            self._drawing.forget()

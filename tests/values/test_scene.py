@@ -1,0 +1,99 @@
+"""Scenes: one value for cloth and curtain, its files and pictures, and what is made from its fields."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from glcloth import generate
+from glcloth.cli.scene_options import SceneOptions
+from glcloth.color import VIEW_TRANSFORMS
+from glcloth.errors import InputError
+from glcloth.fabric import Fabric, Transmission, Yarn, load_fabric
+from glcloth.fields import entries
+from glcloth.image import write_image
+from glcloth.scene import CurtainParameters, Scene, View, builtin_scenes, header, load_scene, save_scene
+
+CURTAIN = Scene(curtain=CurtainParameters(wind=2.0), depth=2, frame=7)
+
+
+@pytest.mark.parametrize("path", generate.files(), ids=lambda path: path.name)
+def test_what_is_made_from_the_fields_is_as_they_are(path):
+    assert path.read_text(encoding="utf-8") == generate.files()[path], "run: python -m glcloth.generate"
+
+
+@pytest.mark.parametrize("model", [Scene, View, CurtainParameters, Fabric, Yarn, Transmission])
+def test_every_field_says_what_it_is(model):
+    for entry in entries(model):
+        assert entry.help or entry.kind in ("table", "other"), entry.name
+        assert not entry.help.endswith("."), "a phrase: sentences are made of it"
+
+
+def test_options_are_fields():
+    wanted = [entry.name for model in (Scene, CurtainParameters) for entry in entries(model) if entry.option]
+    assert [field.name for field in dataclasses.fields(SceneOptions)] == wanted
+    assert tuple(VIEW_TRANSFORMS) == entries(Scene, ("view_transform",))[0].choices
+
+
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_built_in_scenes_and_their_files(name, tmp_path):
+    scene = load_scene(name)
+    assert scene.kind == ("curtain" if name == "curtain" else "cloth")
+    for value in (scene, scene.changed(exposure=1.0, fabric=load_fabric("lace"), camera=View(eye=(1, 2, 3)))):
+        save_scene(tmp_path / "scene.toml", value)
+        assert load_scene(tmp_path / "scene.toml") == value
+        write_image(tmp_path / "picture.exr", np.ones((2, 2, 3)), header(value))
+        assert load_scene(tmp_path / "picture.exr") == value
+        assert Scene.model_validate(value.differences()) == value
+
+
+def test_a_curtain_begins_with_its_own():
+    assert load_scene("curtain") == Scene(curtain=CurtainParameters()) == Scene.parse({"curtain": {}})
+    assert (CURTAIN.fabric, CURTAIN.env, CURTAIN.size, CURTAIN.method) == ("sheer_voile", "sky", (640, 640), "trace")
+    assert CURTAIN.changed(env="studio").changed(depth=3).env == "studio"
+    assert "mesh" not in CURTAIN.model_dump() and "depth" not in Scene().model_dump()
+
+
+def test_pictures_of_before_render_as_they_did(tmp_path):
+    """Headers as glcloth wrote them when the curtain was a scene of another kind."""
+    old = {name: value for name, value in CURTAIN.model_dump(mode="json").items() if name not in ("frame", "method")}
+    write_image(tmp_path / "old.png", np.ones((2, 2, 3)), {"glcloth": "0.1.0", "curtain": old, "frame": 7})
+    assert load_scene(tmp_path / "old.png") == CURTAIN
+    cloth = {name: value for name, value in Scene(fabric="linen").model_dump(mode="json").items() if name != "curtain"}
+    write_image(tmp_path / "old.exr", np.ones((2, 2, 3)), {"glcloth": "0.1.0", "scene": cloth})
+    assert load_scene(tmp_path / "old.exr") == Scene(fabric="linen")
+
+
+@pytest.mark.parametrize(
+    ("data", "said"),
+    [
+        ({"depth": 2}, "scene: depth: belongs to the curtain; give its scene: glcloth render curtain"),
+        ({"curtain": {}, "mesh": "sphere"}, "scene: mesh: belongs to cloth under an environment"),
+        ({"curtain": {}, "method": "paper"}, "expected trace"),
+        ({"method": "trace"}, "glcloth render curtain"),
+        ({"curtain": {"windd": 1}}, "scene: curtain: windd: unknown key; did you mean wind?"),
+        ({"curtain": {"pleats": 40}}, "scene: curtain: pleats = 40 on 158 quads"),
+        ({"curtain": {"wind": float("nan")}}, "scene: curtain: wind = nan"),
+        ({"camera": {"fov_deg": 200}}, "scene: camera: fov_deg = 200: input should be less than or equal to 170"),
+        ({"qualty": "high"}, "scene: qualty: unknown key; did you mean quality?"),
+        ({"quality": "best"}, "scene: quality = 'best': expected draft, normal or high"),
+        ({"lobes": 1.5}, "scene: lobes = 1.5: input should be a valid integer"),
+        ({"env_rotate": float("inf")}, "scene: env_rotate = inf"),
+        ({"spp": 300}, "spp = 300: expected at most 256"),
+        (
+            {"fabric": {"name": "x", "yarn": [{"etta": 1}]}},
+            "scene: fabric: yarn 1: etta: unknown key; did you mean eta?",
+        ),
+    ],
+)
+def test_errors_say_where_and_what(data, said):
+    with pytest.raises(InputError) as error:
+        Scene.parse(data)
+    assert said in str(error.value) and "\n" not in str(error.value)
+
+
+def test_a_change_leaves_the_rest_the_same_object():
+    fabric = load_fabric("linen").changed(sigma_deg=30.0)
+    assert Scene(fabric=fabric).changed(exposure=1.0).fabric is fabric
+    with pytest.raises(InputError, match="scene: exposure = 99"):
+        Scene().changed(exposure=99)
