@@ -3,8 +3,8 @@
 #include "trace/shared.glsl"
 #include "count.glsl"
 
-layout(binding = 8) uniform usamplerBuffer corners;
-layout(binding = 9) uniform usamplerBuffer attributes;
+uniform usamplerBuffer corners;
+uniform usamplerBuffer attributes;
 uniform int first_test;
 uniform int test_count;
 

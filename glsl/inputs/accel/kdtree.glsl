@@ -7,8 +7,8 @@
 #include "trace/shared.glsl"
 #include "count.glsl"
 
-layout(binding = 8) uniform usamplerBuffer tree_nodes;    // passes/accel/kdtree_emit.comp says how they are packed
-layout(binding = 9) uniform usamplerBuffer leaf_corners;  // passes/accel/kdtree_leaves.comp
+uniform usamplerBuffer tree_nodes;    // passes/accel/kdtree_emit.comp says how they are packed
+uniform usamplerBuffer leaf_corners;  // passes/accel/kdtree_leaves.comp
 uniform vec3 scene_low;
 uniform vec3 scene_high;
 

@@ -3,8 +3,8 @@
 #include "trace/shared.glsl"
 #include "count.glsl"
 
-layout(binding = 8) uniform usamplerBuffer bvh_nodes;     // passes/accel/lbvh_emit.comp
-layout(binding = 9) uniform usamplerBuffer leaf_corners;  // passes/accel/lbvh_leaves.comp
+uniform usamplerBuffer bvh_nodes;     // passes/accel/lbvh_emit.comp
+uniform usamplerBuffer leaf_corners;  // passes/accel/lbvh_leaves.comp
 
 void traverse(Ray ray, inout Visit visit) {
     vec3 inv_d = safe_inverse(ray.d);
