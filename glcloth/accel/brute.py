@@ -42,11 +42,6 @@ class Brute:
         """What inputs/accel/brute.glsl reads."""
         return self._built.inputs()
 
-    def bind(self, program) -> None:
-        """Bind what inputs/accel/brute.glsl reads, for programs of before."""
-        self._built.corners.bind(8)
-        self._built.attributes.bind(9)
-
     def chunks(self) -> Iterator[dict[str, int]]:
         """The uniforms of each dispatch that one query takes."""
         count = self._built.count

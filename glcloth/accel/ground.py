@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..gpu import shader
 from .structure import Structure
 from .triangles import Triangles
 
@@ -26,11 +25,6 @@ class OverGround:
     def inputs(self) -> dict[str, Any]:
         """What inputs/accel/lbvh_ground.glsl reads."""
         return self.structure.inputs() | {"ground_height": self.height}
-
-    def bind(self, program) -> None:
-        """Bind what inputs/accel/lbvh_ground.glsl reads, for programs of before."""
-        self.structure.bind(program)
-        shader.set_uniforms(program, ground_height=self.height)
 
     @property
     def triangles(self) -> Triangles | None:

@@ -18,7 +18,6 @@ import moderngl
 import numpy as np
 
 from ..errors import InputError
-from ..gpu import shader
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.layout import shared
 from ..gpu.programs import programs
@@ -230,12 +229,6 @@ class KdTree:
         """What inputs/accel/kdtree.glsl reads."""
         tree = {name: self._buffers[name] for name in ("tree_nodes", "leaf_corners")}
         return tree | {"scene_low": self.low, "scene_high": self.high}
-
-    def bind(self, program) -> None:
-        """Bind what inputs/accel/kdtree.glsl reads, for programs of before."""
-        self._buffers["tree_nodes"].bind(8)
-        self._buffers["leaf_corners"].bind(9)
-        shader.set_uniforms(program, scene_low=tuple(map(float, self.low)), scene_high=tuple(map(float, self.high)))
 
     def chunks(self) -> Iterator[dict[str, int]]:
         """The uniforms of each dispatch that one query takes."""

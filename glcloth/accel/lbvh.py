@@ -115,11 +115,6 @@ class Lbvh:
         """What inputs/accel/lbvh.glsl reads."""
         return {name: self._buffers[name] for name in ("bvh_nodes", "leaf_corners")}
 
-    def bind(self, program) -> None:
-        """Bind what inputs/accel/lbvh.glsl reads, for programs of before."""
-        self._buffers["bvh_nodes"].bind(8)
-        self._buffers["leaf_corners"].bind(9)
-
     def chunks(self) -> Iterator[dict[str, int]]:
         """The uniforms of each dispatch that one query takes."""
         yield {}

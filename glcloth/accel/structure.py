@@ -49,9 +49,6 @@ class Structure(Protocol):
     def inputs(self) -> dict[str, Any]:
         """What `source` reads, by its names there."""
 
-    def bind(self, program) -> None:
-        """Bind `inputs` for programs of before, which have binding numbers."""
-
     def chunks(self) -> Iterator[dict[str, int]]:
         """The uniforms of each dispatch that one query takes."""
 
