@@ -103,6 +103,13 @@ class Staging:
         return self._copy.read(size)
 
 
+class _Units:
+    """Which texture buffer is bound at each texture unit of a context; nothing else binds any there."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.bound: dict[int, TextureBuffer] = {}
+
+
 class TextureBuffer(Buffer):
     """A buffer that shaders read by `texelFetch(samplerBuffer, i)`, and that can also be bound as a storage block.
 
@@ -120,6 +127,7 @@ class TextureBuffer(Buffer):
         self.least = self.texel_bytes
         super().__init__(ctx, data)
         self._texture = int(GL.glGenTextures(1))
+        self._units = of_context(_Units, ctx).bound
         self._attach()
 
     def _attach(self) -> None:
@@ -132,6 +140,9 @@ class TextureBuffer(Buffer):
 
     def bind(self, unit: int) -> None:
         """Bind for reading at a texture unit."""
+        if self._units.get(unit) is self:
+            return
+        self._units[unit] = self
         GL.glActiveTexture(GL.GL_TEXTURE0 + unit)
         GL.glBindTexture(GL.GL_TEXTURE_BUFFER, self._texture)
         GL.glActiveTexture(GL.GL_TEXTURE0)

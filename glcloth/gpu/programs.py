@@ -8,7 +8,8 @@ Samplers, images and uniforms go by their own name, storage blocks by the name o
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+import struct
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any, NamedTuple
 
@@ -88,9 +89,12 @@ class Program:
 
     def __init__(self, path: str, linked, slots: dict[str, Slot], declared: dict[str, str]):
         self.path, self.linked = path, linked
-        self._slots = slots
-        # A driver drops the uniforms that nothing reads: those are declared and have no entry here.
-        self._uniforms = {name: (linked.get(name, None), kind) for name, kind in declared.items()}
+        self._declared = slots.keys() | declared.keys()
+        self._binders: dict[str, Callable[[Any], None]] = {name: _binder(slot) for name, slot in slots.items()}
+        for name, kind in declared.items():
+            # A driver drops the uniforms that nothing reads.
+            if (uniform := linked.get(name, None)) is not None:
+                self._binders[name] = _Uniform(uniform, kind)
 
     def bind(self, *inputs: Inputs, **own: Any) -> None:
         """Bind textures, images and storage blocks, and set uniforms, by their names in GLSL.
@@ -103,57 +107,65 @@ class Program:
         A texture takes a moderngl.Texture or a TextureBuffer; a block a Buffer; a uniform a number, a tuple, or an
         array (matrices in row order). Raises ShaderError for a name in `own` that nothing declares.
         """
+        if not own.keys() <= self._declared:
+            raise ShaderError(f"glsl/{self.path} declares no `{next(n for n in own if n not in self._declared)}`")
+        given: dict[str, Any] = {}
         for mapping in inputs:
-            for name, value in mapping.items():
-                self._bind_one(name, value)
-        for name, value in own.items():
-            if not self._bind_one(name, value):
-                raise ShaderError(f"glsl/{self.path} declares no `{name}`")
-
-    def _bind_one(self, name: str, value: Any) -> bool:
-        if (entry := self._uniforms.get(name)) is not None:
-            if entry[0] is not None:
-                _set(entry[0], entry[1], value)
-            return True
-        if (slot := self._slots.get(name)) is None:
-            return False
-        if slot.kind == "block":
-            (value.buffer if isinstance(value, Buffer) else value).bind_to_storage_buffer(slot.number)
-        elif slot.kind == "image":
-            value.bind_to_image(slot.number, read=slot.reads, write=slot.writes)
-        elif isinstance(value, TextureBuffer):
-            value.bind(slot.number)
-        else:
-            value.use(slot.number)
-        return True
+            given.update(mapping)
+        given.update(own)
+        for name, bind in self._binders.items():
+            if name in given:
+                bind(given[name])
 
     def declares(self, name: str) -> bool:
         """Whether the text of the program has a texture, image, block or uniform of this name."""
-        return name in self._slots or name in self._uniforms
+        return name in self._declared
 
     def release(self) -> None:
         """Free the program."""
         self.linked.release()
 
 
-def _set(uniform, kind: str, value: Any) -> None:
-    if isinstance(value, np.ndarray):
-        value = value.swapaxes(-1, -2) if kind.startswith("mat") else value
-        data = np.ascontiguousarray(value, _dtype(kind)).tobytes()
-        # A driver may keep fewer elements of an array than its text declares.
-        uniform.write(data[: 4 * uniform.dimension * uniform.array_length])
-    else:
-        uniform.value = value
+def _binder(slot: Slot) -> Callable[[Any], None]:
+    """The function that binds a texture, an image or a buffer to a slot."""
+    number = slot.number
+    if slot.kind == "block":
+        return lambda value: (value.buffer if isinstance(value, Buffer) else value).bind_to_storage_buffer(number)
+    if slot.kind == "image":
+        return lambda value: value.bind_to_image(number, read=slot.reads, write=slot.writes)
+    return lambda value: value.bind(number) if isinstance(value, TextureBuffer) else value.use(number)
+
+
+class _Uniform:
+    """Sets a uniform where it differs from what it was set to last: a third of the host's time of a dispatch."""
+
+    def __init__(self, uniform, kind: str):
+        self._uniform, self._dtype, self._turned = uniform, _dtype(kind), kind.startswith("mat")
+        self._pack = struct.Struct(uniform.fmt).pack
+        self._last = b""
+
+    def __call__(self, value: Any) -> None:
+        uniform = self._uniform
+        if isinstance(value, np.ndarray) or uniform.array_length > 1:
+            value = np.asarray(value, self._dtype)
+            data = (value.swapaxes(-1, -2) if self._turned else value).tobytes()
+            # A driver may keep fewer elements of an array than its text declares.
+            data = data[: 4 * uniform.dimension * uniform.array_length]
+        else:
+            data = self._pack(*value) if uniform.dimension > 1 else self._pack(value)
+        if data != self._last:
+            uniform.write(data)
+            self._last = data
 
 
 class Compute(Program):
     """A compute program."""
 
     def __init__(
-        self, ctx: moderngl.Context, path: str, linked, slots: dict[str, Slot], declared: dict[str, str], rows: bool
+        self, owner: Programs, path: str, linked, slots: dict[str, Slot], declared: dict[str, str], rows: bool
     ):
         super().__init__(path, linked, slots, declared)
-        self.ctx = ctx
+        self.ctx, self._owner = owner.ctx, owner
         self._rows = rows  # whether the pass can be laid in rows of work groups
         size = (GL.GLint * 3)()
         GL.glGetProgramiv(linked.glo, GL.GL_COMPUTE_WORK_GROUP_SIZE, size)
@@ -176,7 +188,7 @@ class Compute(Program):
         groups = (groups,) if isinstance(groups, int | np.integer) else groups
         if min(groups) <= 0:
             return
-        most = programs(self.ctx).most_groups
+        most = self._owner.most_groups
         if groups[0] > most and len(groups) == 1:
             if not self._rows:
                 raise ShaderError(f"glsl/{self.path}: {groups[0]} work groups, more than {most}, need {ITEM}")
@@ -232,7 +244,7 @@ class Programs:
             text = number(text, slots)
             linked = _compiled(lambda: self.ctx.compute_shader(text), lambda log: where)
             rows = any(file == ITEM for file, _ in where)
-            self._programs[key] = Compute(self.ctx, path, linked, slots, uniforms(text), rows)
+            self._programs[key] = Compute(self, path, linked, slots, uniforms(text), rows)
         program = self._programs[key]
         assert isinstance(program, Compute)
         return program
@@ -286,6 +298,8 @@ def recompiled(ctx: moderngl.Context) -> Iterator[None]:
 
 
 def _key(path: str, defines: Inputs | None, virtual: Mapping[str, str] | None) -> tuple:
+    if not defines and not virtual:
+        return (path,)
     return path, tuple(sorted((defines or {}).items())), tuple(sorted((virtual or {}).items()))
 
 

@@ -5,9 +5,9 @@
 #include "trace/split.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
-uniform usamplerBuffer refs;
 uniform usamplerBuffer nodes;
 uniform usamplerBuffer active_nodes;
+uniform usamplerBuffer refs;
 // LANE_TEXELS each: (low, -) (high, -), then for every plane (counts across x, y, z, -) as side_counts() packs them
 layout(std430) writeonly buffer Lanes { uvec4 lane_out[]; };
 uniform int active_count;

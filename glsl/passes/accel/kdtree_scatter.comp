@@ -8,11 +8,11 @@
 #include "trace/split.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
-uniform usamplerBuffer corners;
-uniform usamplerBuffer refs;
 uniform usamplerBuffer nodes;
 uniform usamplerBuffer active_nodes;
+uniform usamplerBuffer refs;
 uniform usamplerBuffer lane_data;
+uniform usamplerBuffer corners;
 layout(std430) writeonly buffer Refs { uvec4 ref_out[]; };
 uniform int active_count;
 uniform int lanes;

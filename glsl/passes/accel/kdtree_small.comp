@@ -5,9 +5,9 @@
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
-uniform usamplerBuffer refs;
 uniform usamplerBuffer nodes;
 uniform usamplerBuffer active_nodes;
+uniform usamplerBuffer refs;
 uniform usamplerBuffer masks;
 layout(std430) writeonly buffer Nodes { uvec4 node[]; };
 layout(std430) buffer Counters { uint counter[]; };
