@@ -78,7 +78,7 @@ vec3 node_direction(Entry entry, vec3 node) {
 }
 
 void light_at(vec3 omega_i, float share, float cos_o) {
-    look_along(omega_i);
+    set_omega_i(omega_i);
     Q = gap * cos_o + 1e-20;
     EACH_GROUP(add_P)
     float weight = share / Q;
@@ -136,13 +136,13 @@ vec3 L_broad(vec3 omega_o, mat3 surface_from_world) {
 mat3 world;  // surface_from_world
 vec3 L_pooled;
 
-void take(vec3 omega, vec3 weight) {
+void add_node(vec3 omega, vec3 weight) {
     L_pooled += weight * map_radiance(pooled_light, omega * world) * V_broad(omega);
 }
 #include "inputs/methods/direct_lobes.glsl"
 
 vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
-    see(omega_o);
+    set_omega_o(omega_o);
     world = surface_from_world;
     L_pooled = vec3(0.0);
     POOLED(visit_lobes(omega_o);)
