@@ -7,7 +7,7 @@
 const int LOBE_COLUMNS = 64;
 const int MAX_PHI_PAIRS = 8;
 
-layout(binding = 10) uniform samplerBuffer lobe_data;  // per pooled tangent: two texels, then rows of LOBE_COLUMNS
+uniform samplerBuffer lobe_data;  // per pooled tangent: two texels, then rows of LOBE_COLUMNS
 uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta, their pairs in phi; at least 1 each
 uniform vec2 phi_rule[MAX_PHI_PAIRS];   // nodes > 0 and weights of a Gauss-Legendre rule on -1..1
 uniform vec2 yarn_F_0;

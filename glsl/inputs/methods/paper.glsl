@@ -7,10 +7,10 @@
 #include "sg/azimuth.glsl"
 #include "sg/coordinates.glsl"
 
-layout(binding = 8) uniform sampler3D azimuth_table;  // T_l / azimuth_mass: phi_o, phi_k, kappa_prime in AZIMUTH_GROUPS
-layout(binding = 9) uniform sampler3D weight_xi;      // left factors of T, 4 ranks a texel: phi_k, theta_k, slices
-layout(binding = 10) uniform sampler3D weight_o;      // right factors: phi_o, theta_o, the same slices
-layout(binding = 11) uniform samplerBuffer weight_index;  // per tangent (shape, signs of theta and phi), then first slices
+uniform sampler3D azimuth_table;  // T_l / azimuth_mass: phi_o, phi_k, kappa_prime in AZIMUTH_GROUPS
+uniform sampler3D weight_xi;      // left factors of T, 4 ranks a texel: phi_k, theta_k, slices
+uniform sampler3D weight_o;      // right factors: phi_o, theta_o, the same slices
+uniform samplerBuffer weight_index;  // per tangent (shape, signs of theta and phi), then first slices
 uniform float grid;        // nodes of each of the tables' angles
 uniform float inner;       // share of the phi_k axis below 90 degrees
 uniform ivec2 tiling;      // slices per column of the 3D textures, and columns
