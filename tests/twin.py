@@ -20,9 +20,26 @@ STRIDE = {
     "uvec3": 4,
     "uvec4": 4,
     "mat3": 12,
+    "mat2x4": 8,
+    "mat3x2": 6,
+    "mat4": 16,
 }
-SIZE = {"float": 1, "int": 1, "uint": 1, "vec2": 2, "vec3": 3, "vec4": 4, "uvec2": 2, "uvec3": 3, "uvec4": 4, "mat3": 9}
-_FUNCTION = re.compile(r"^(float|int|uint|vec[234]|uvec[234]|mat3)\s+(\w+)\s*\(([^)]*)\)\s*\{", re.M)
+SIZE = {
+    "float": 1,
+    "int": 1,
+    "uint": 1,
+    "vec2": 2,
+    "vec3": 3,
+    "vec4": 4,
+    "uvec2": 2,
+    "uvec3": 3,
+    "uvec4": 4,
+    "mat3": 9,
+    "mat2x4": 8,
+    "mat3x2": 6,
+    "mat4": 16,
+}
+_FUNCTION = re.compile(r"^(float|int|uint|vec[234]|uvec[234]|mat3x2|mat3|mat2x4|mat4)\s+(\w+)\s*\(([^)]*)\)\s*\{", re.M)
 
 
 def functions(path):
