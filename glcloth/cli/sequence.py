@@ -117,7 +117,7 @@ def _poses(
     renderer: Renderer, stack: ExitStack, files: list[Path] | None, wind: float | None, rate: int
 ) -> Callable[[int], Mesh] | None:
     """The mesh of each frame of a cloth that moves; None for one that rests."""
-    from ..geometry.mesh import load_mesh
+    from ..geometry.mesh_files import load_mesh
     from ..simulation.drape import Swaying
 
     if files:
@@ -152,7 +152,7 @@ def drape(
     *, output: Annotated[Path, output_option("Mesh to write, .ply, .obj or .glb.")], device: Device = None
 ) -> None:
     """Make the built-in cloth again by simulation: a sheet that falls over a sphere and a table's edge."""
-    from ..geometry.mesh import SAVE_SUFFIXES, save_mesh
+    from ..geometry.mesh_files import SAVE_SUFFIXES, save_mesh
     from ..gpu.context import create_context
     from ..simulation.drape import drape as simulate
 
