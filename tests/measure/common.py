@@ -110,8 +110,8 @@ class Pixels:
         width, height = buffer.size
         self.ray_from_pixel = buffer.ray_from_pixel
         self.N, self.x, self.p = (
-            np.frombuffer(t.read(), "f4").reshape(height, width, 4).astype(float)
-            for t in (buffer.frame_N, buffer.frame_x, buffer.frame_p)
+            np.frombuffer(buffer.frame(name).read(), "f4").reshape(height, width, 4).astype(float)
+            for name in ("frame_N", "frame_x", "frame_p")
         )
         self.covered = np.argwhere(self.N[..., 3] != 0)  # row from below, column
 
