@@ -99,7 +99,7 @@ def spent(renderer, work):
 
 def set_method(renderer, name, method):
     """Have a renderer use `method` under a method's name."""
-    renderer.stage.cloths[0]._methods[name] = method
+    renderer.stage.cloths[0].methods[name] = method
 
 
 class Pixels:
