@@ -131,17 +131,22 @@ def _kind(annotation: Any) -> tuple[str, tuple[str, ...], list]:
     inner: list = []
     if get_origin(annotation) is Annotated:
         annotation, *inner = get_args(annotation)
-    origin, args = get_origin(annotation), get_args(annotation)
-    if origin is Literal:
-        return "choice", args, inner
-    if origin is tuple and args[-1] is Ellipsis:
-        return ("list" if args[0] is str else "other"), (), inner
-    if origin is tuple and len(args) == 3:
-        inner = list(getattr(args[0], "__metadata__", ()))
-        return ("color" if _limits(inner)[1] == 1.0 else "triple"), (), inner
+    if get_origin(annotation) is Literal:
+        return "choice", get_args(annotation), inner
+    if get_origin(annotation) is tuple:
+        return _kind_of_several(get_args(annotation))
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return "table", (), inner
     return {bool: "bool", int: "int", float: "float", str: "text"}.get(annotation, "other"), (), inner
+
+
+def _kind_of_several(parts: tuple) -> tuple[str, tuple[str, ...], list]:
+    """As `_kind`, of a tuple's parts."""
+    if parts[-1] is Ellipsis:
+        return ("list" if parts[0] is str else "other"), (), []
+    inner = list(getattr(parts[0], "__metadata__", ()))
+    kind = "other" if len(parts) != 3 else "color" if _limits(inner)[1] == 1.0 else "triple"
+    return kind, (), inner if kind != "other" else []
 
 
 def _limits(metadata: list) -> tuple[float | None, float | None]:

@@ -34,7 +34,7 @@ class LambertianReference(Reference):
     def __init__(self, ctx, albedo, flat=False):
         super().__init__(ctx)
         self.flat = flat
-        self.albedo = np.asarray(albedo, float)
+        self.lambertian = np.asarray(albedo, float)
 
     @property
     def source(self):
@@ -46,7 +46,7 @@ class LambertianReference(Reference):
         return text.replace(FABRIC, BRDF)
 
     def diffuse_albedo(self, fabric):
-        return self.albedo
+        return self.lambertian
 
     def inputs(self):
-        return {**super().inputs(), "albedo": tuple(self.albedo)}
+        return {**super().inputs(), "albedo": tuple(self.lambertian)}

@@ -2,11 +2,11 @@
 
 import re
 
-import moderngl
 import numpy as np
 
 from glcloth.files import GLSL
-from glcloth.gpu import shader
+from glcloth.gpu.buffers import Buffer
+from glcloth.gpu.programs import Programs
 
 # Of std430 arrays, in 4-byte words.
 STRIDE = {
@@ -20,9 +20,26 @@ STRIDE = {
     "uvec3": 4,
     "uvec4": 4,
     "mat3": 12,
+    "mat2x4": 8,
+    "mat3x2": 6,
+    "mat4": 16,
 }
-SIZE = {"float": 1, "int": 1, "uint": 1, "vec2": 2, "vec3": 3, "vec4": 4, "uvec2": 2, "uvec3": 3, "uvec4": 4, "mat3": 9}
-_FUNCTION = re.compile(r"^(float|int|uint|vec[234]|uvec[234]|mat3)\s+(\w+)\s*\(([^)]*)\)\s*\{", re.M)
+SIZE = {
+    "float": 1,
+    "int": 1,
+    "uint": 1,
+    "vec2": 2,
+    "vec3": 3,
+    "vec4": 4,
+    "uvec2": 2,
+    "uvec3": 3,
+    "uvec4": 4,
+    "mat3": 9,
+    "mat2x4": 8,
+    "mat3x2": 6,
+    "mat4": 16,
+}
+_FUNCTION = re.compile(r"^(float|int|uint|vec[234]|uvec[234]|mat3x2|mat3|mat2x4|mat4)\s+(\w+)\s*\(([^)]*)\)\s*\{", re.M)
 
 
 def functions(path):
@@ -42,7 +59,7 @@ def call(ctx, path, name, *args):
     declarations, loads, buffers = [], [], []
     for i, ((t, parameter), a) in enumerate(zip(parameters, args, strict=True)):
         assert t in SIZE, f"{path}: {name}: cannot pass a {t}"
-        declarations.append(f"layout(std430, binding = {i}) readonly buffer B{i} {{ {t} in_{parameter}[]; }};")
+        declarations.append(f"layout(std430) readonly buffer B{i} {{ {t} in_{parameter}[]; }};")
         loads.append(f"in_{parameter}[i]")
         data = np.zeros((count, STRIDE[t]), {"i": "i4", "u": "u4"}.get(t[0], "f4"))
         values = np.asarray(a).reshape(count, SIZE[t])
@@ -50,27 +67,24 @@ def call(ctx, path, name, *args):
             data.reshape(count, 3, 4)[:, :, :3] = values.reshape(count, 3, 3).transpose(0, 2, 1)
         else:
             data[:, : SIZE[t]] = values
-        buffers.append(ctx.buffer(data.tobytes()))
-    result = ctx.buffer(reserve=4 * count * STRIDE[kind])
+        buffers.append(Buffer(ctx, data))
+    result = Buffer(ctx, 4 * count * STRIDE[kind])
     kernel = "\n".join(
         [
             "#version 430",
             "layout(local_size_x = 64) in;",
             f'#include "{path}"',
             *declarations,
-            f"layout(std430, binding = {len(parameters)}) writeonly buffer Out {{ {kind} results[]; }};",
+            f"layout(std430) writeonly buffer Out {{ {kind} results[]; }};",
             "void main() {",
             "    uint i = gl_GlobalInvocationID.x;",
             f"    if (i < {count}u) results[i] = {name}({', '.join(loads)});",
             "}",
         ]
     )
-    program = shader.compute(ctx, "<twin>", virtual={"<twin>": kernel})
+    program = Programs(ctx).compute("<twin>", None, {"<twin>": kernel})
     try:
-        for i, buffer in enumerate([*buffers, result]):
-            buffer.bind_to_storage_buffer(i)
-        program.run((count + 63) // 64)
-        ctx.memory_barrier(moderngl.BUFFER_UPDATE_BARRIER_BIT)
+        program.run(count, {f"B{i}": buffer for i, buffer in enumerate(buffers)}, Out=result)
         data = np.frombuffer(result.read(), {"i": "i4", "u": "u4"}.get(kind[0], "f4")).reshape(count, STRIDE[kind])
     finally:
         program.release()

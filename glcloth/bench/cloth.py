@@ -63,24 +63,10 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
     for name in methods:
         if name not in METHODS:
             raise InputError(f"--methods: unknown method {name!r}, expected some of {', '.join(METHODS)}")
-    variants = []
-    for name in methods:
-        if name == "direct":
-            variants += [(f"direct_{quality}", {"quality": quality}) for quality in ("draft", "high")]
-            variants += [("direct_adaptive", {"adaptive": True}), ("direct", {"adaptive": False})]
-        else:
-            variants.append((name, {}))
-    # The reference would trace a ray for each of its directions at every pixel: minutes.
-    shadowed = [name for name in methods if name != "reference"] if scene.shadows == "full" else []
-    variants = [(label, {**changes, "shadows": "off"}) for label, changes in variants]
-    for label, changes in [variant for variant in variants if variant[0].split("_")[0] in shadowed]:
-        if label in ("direct", "direct_adaptive", "paper"):
-            variants.append((f"{label}_shadows", {**changes, "shadows": "full"}))
     costs, moving = {}, {}
-    results: dict[str, dict] = {}
     with Renderer(device) as renderer:
-        prepared, times = {}, {label: [] for label, _ in variants}
-        for label, changes in variants:
+        prepared: dict[str, Frame] = {}
+        for label, changes in _variants(scene, methods):
             frame = renderer.prepare(scene.changed(method=label.split("_")[0], background=False, **changes))
             prepared[label] = frame
             small = renderer.prepare(frame.scene.changed(size=(32, 24)), lights=frame.lights)
@@ -90,39 +76,8 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
                 costs = shadow_costs(renderer, frame, frames)
                 moving = moving_cloth(renderer, frame, frames)
                 renderer.draw(frame)
-        # The variants take turns, so that a machine whose speed drifts is alike to all.
-        for label in track([label for _ in range(frames) for label, _ in variants], "bench: frames"):
-            frame = prepared[label]
-            if frame.scene.method != "reference":
-                renderer.draw(frame)  # what a resting cloth keeps: frames of the pixels, and what they see
-            renderer.ctx.finish()
-            begin, begin_cpu = time.perf_counter(), time.process_time()
-            renderer.draw(frame)
-            renderer.ctx.finish()
-            cpu = 1000 * (time.process_time() - begin_cpu)
-            times[label].append((1000 * (time.perf_counter() - begin), cpu))
-            covered = renderer.covered_pixels()
-        for label, rows in times.items():
-            ms, cpu_ms = (statistics.median(column) for column in zip(*rows, strict=True))
-            method = renderer.method(prepared[label].scene.method)
-            method.prepare(prepared[label].fabric, prepared[label].lights, prepared[label].settings)
-            results[label] = {
-                "frame_ms": round(ms, 3),
-                "cpu_ms": round(cpu_ms, 3),
-                "frames_per_second": round(1000 / ms, 3),
-                "covered_pixels": covered,
-                "ns_per_pixel": round(1e6 * ms / max(covered, 1), 1),
-                "evaluations_per_pixel": method.evaluations_per_pixel(),
-            }
-        for label, value in results.items():
-            bare = results.get(label.removesuffix("_shadows"))
-            if bare is not value:
-                value["shadows_ratio"] = round(value["cpu_ms"] / bare["cpu_ms"], 3)
-        for value in results.values():
-            for other in ("paper", "reference"):
-                if other in results:
-                    value[f"{other}_ratio"] = round(results[other]["frame_ms"] / value["frame_ms"], 3)
-        pixels = scene.size[0] * scene.size[1]
+        results = _with_ratios(_measured(renderer, prepared, frames))
+        covered = results[label]["covered_pixels"]
         return {
             "methods": results,
             "shadows": costs,
@@ -133,10 +88,70 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
             "fabric": frame.fabric.name,
             "mesh": frame.mesh.name,
             "env": frame.environment.name,
-            "coverage": round(covered / pixels, 4),
+            "coverage": round(covered / (scene.size[0] * scene.size[1]), 4),
             "frames": frames,
             "gl_renderer": renderer.ctx.info["GL_RENDERER"],
         }
+
+
+def _variants(scene: Scene, methods: list[str]) -> list[tuple[str, dict]]:
+    """What is measured: names, which begin with the method's, and changes of the scene."""
+    variants: list[tuple[str, dict]] = []
+    for name in methods:
+        if name == "direct":
+            variants += [(f"direct_{quality}", {"quality": quality}) for quality in ("draft", "high")]
+            variants += [("direct_adaptive", {"adaptive": True}), ("direct", {"adaptive": False})]
+        else:
+            variants.append((name, {}))
+    # The reference would trace a ray for each of its directions at every pixel: minutes.
+    shadowed = [pair for pair in variants if pair[0] in ("direct", "direct_adaptive", "paper")]
+    variants = [(label, {**changes, "shadows": "off"}) for label, changes in variants]
+    if scene.shadows == "full":
+        variants += [(f"{label}_shadows", {**changes, "shadows": "full"}) for label, changes in shadowed]
+    return variants
+
+
+def _measured(renderer: Renderer, prepared: dict[str, Frame], frames: int) -> dict[str, dict]:
+    """Medians of the times of frames; the variants take turns, so that a machine whose speed drifts is alike to all."""
+    times: dict[str, list] = {label: [] for label in prepared}
+    for label in track([label for _ in range(frames) for label in prepared], "bench: frames"):
+        frame = prepared[label]
+        if frame.scene.method != "reference":
+            renderer.draw(frame)  # what a resting cloth keeps: frames of the pixels, and what they see
+        renderer.ctx.finish()
+        begin, begin_cpu = time.perf_counter(), time.process_time()
+        renderer.draw(frame)
+        renderer.ctx.finish()
+        cpu = 1000 * (time.process_time() - begin_cpu)
+        times[label].append((1000 * (time.perf_counter() - begin), cpu))
+        covered = renderer.covered_pixels()
+    results: dict[str, dict] = {}
+    for label, rows in times.items():
+        ms, cpu_ms = (statistics.median(column) for column in zip(*rows, strict=True))
+        method = renderer.method(prepared[label].scene.method)
+        method.prepare(prepared[label].fabric, prepared[label].lights, prepared[label].settings)
+        results[label] = {
+            "frame_ms": round(ms, 3),
+            "cpu_ms": round(cpu_ms, 3),
+            "frames_per_second": round(1000 / ms, 3),
+            "covered_pixels": covered,
+            "ns_per_pixel": round(1e6 * ms / max(covered, 1), 1),
+            "evaluations_per_pixel": method.evaluations_per_pixel(),
+        }
+    return results
+
+
+def _with_ratios(results: dict[str, dict]) -> dict[str, dict]:
+    """The results, each with what it takes beside the same without shadows, and what others take beside it."""
+    for label, value in results.items():
+        bare = results.get(label.removesuffix("_shadows"))
+        if bare is not value:
+            value["shadows_ratio"] = round(value["cpu_ms"] / bare["cpu_ms"], 3)
+    for value in results.values():
+        for other in ("paper", "reference"):
+            if other in results:
+                value[f"{other}_ratio"] = round(results[other]["frame_ms"] / value["frame_ms"], 3)
+    return results
 
 
 def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:

@@ -32,34 +32,11 @@ def bench_curtain(
         raise InputError(f"--frames {frames}: expected at least 1")
     scene = scene or Scene(size=(320, 320), curtain=CurtainParameters())
     with CurtainShow(ctx, scene, triangles) as show:
-        rows: list[dict] = []
-        stages: list[dict] = []
         show.picture()  # compiles
         show.advance()
         show.picture()
-        for _ in range(frames):
-            clock, cpu = [time.perf_counter()], time.process_time()
-            show.advance()
-            ctx.finish()
-            clock.append(time.perf_counter())
-            show.build()
-            ctx.finish()
-            clock.append(time.perf_counter())
-            show.picture()
-            clock.append(time.perf_counter())
-            sim, build, trace = (1000 * float(b - a) for a, b in pairwise(clock))
-            s = show.tracer.statistics
-            rows.append(
-                {
-                    "sim_ms": sim,
-                    "build_ms": build,
-                    "trace_ms": trace,
-                    "frame_ms": sim + build + trace,
-                    "cpu_ms": 1000 * (time.process_time() - cpu),
-                    "rays": sum(s.rays) + sum(s.shadow_rays),
-                }
-            )
-            stages.append(dict(s.build_ms))
+        measured = [_animated_frame(show) for _ in range(frames)]
+        rows, stages = [row for row, _ in measured], [stage for _, stage in measured]
         structure = show.tracer.structure(scene.accelerator)
         median = {name: round(statistics.median(row[name] for row in rows), 3) for name in rows[0]}
         result = median | {
@@ -73,22 +50,44 @@ def bench_curtain(
             "nodes": structure.node_count,
             "leaf_triangles": structure.leaf_ref_count,
             "build_stages_ms": {k: round(statistics.median(row[k] for row in stages), 3) for k in stages[0]},
-            "levels": [
-                {
-                    "rays": r,
-                    "heads": h,
-                    "shadow_rays": n,
-                    "trace_ms": round(a, 3),
-                    "shade_ms": round(b, 3),
-                    "shadow_ms": round(c, 3),
-                }
-                for r, h, n, a, b, c in zip(
-                    s.rays, s.heads, s.shadow_rays, s.trace_ms, s.shade_ms, s.shadow_ms, strict=True
-                )
-            ],
+            "levels": _levels(show),
             "renderer": ctx.info["GL_RENDERER"],
         }
         return result | _quality(show)
+
+
+def _animated_frame(show: CurtainShow) -> tuple[dict, dict]:
+    """Simulate, build and trace the next frame: what that took, and what the stages of the build took, in ms."""
+    clock, cpu = [time.perf_counter()], time.process_time()
+    for work in (show.advance, show.build):
+        work()
+        show.ctx.finish()
+        clock.append(time.perf_counter())
+    show.picture()
+    clock.append(time.perf_counter())
+    sim, build, trace = (1000 * float(b - a) for a, b in pairwise(clock))
+    s = show.tracer.statistics
+    row = {
+        "sim_ms": sim,
+        "build_ms": build,
+        "trace_ms": trace,
+        "frame_ms": sim + build + trace,
+        "cpu_ms": 1000 * (time.process_time() - cpu),
+        "rays": sum(s.rays) + sum(s.shadow_rays),
+    }
+    return row, dict(s.build_ms)
+
+
+def _levels(show: CurtainShow) -> list[dict]:
+    """Rays and times of the last picture, by the generation of its rays."""
+    s = show.tracer.statistics
+    counts = {"rays": s.rays, "heads": s.heads, "shadow_rays": s.shadow_rays}
+    times = {"trace_ms": s.trace_ms, "shade_ms": s.shade_ms, "shadow_ms": s.shadow_ms}
+    return [
+        {name: values[i] for name, values in counts.items()}
+        | {name: round(values[i], 3) for name, values in times.items()}
+        for i in range(len(s.rays))
+    ]
 
 
 def _quality(show: CurtainShow) -> dict:

@@ -47,30 +47,32 @@ def main(arguments: list[str] | None = None) -> None:
     hear_ctrl_c()
     try:
         app(arguments, exit_on_error=False, print_error=False)
-    except CycloptsError as error:
-        code, line = 2, " ".join(str(error).split())
-    except InputError as error:
-        code, line = 2, str(error)
-    except NoOpenGLError as error:
-        code, line = 3, str(error)
-    except ShaderError as error:
-        code, line = 1, f"a shader does not compile on this driver: {error}"
-    except MemoryError:
-        code, line = 2, "out of memory; choose a smaller --size, --grid or environment"
-    except BrokenPipeError:
-        code, line = 0, ""
-    except KeyboardInterrupt:
-        code, line = 130, ""
-    except Exception as error:
-        if os.environ.get("GLCLOTH_DEBUG"):
-            raise
-        what = " ".join(f"{type(error).__name__}: {error}".split())
-        code, line = 1, f"a fault of glcloth, please report it: {what}; GLCLOTH_DEBUG=1 shows where"
-    else:
         return
+    except (Exception, KeyboardInterrupt) as error:
+        code, line = _told(error)
+        if code == 1 and os.environ.get("GLCLOTH_DEBUG") and not isinstance(error, ShaderError):
+            raise
     # A module that was being imported may have swallowed Ctrl-C and failed of the consequences.
     if was_stopped() or code == 130:
         code, line = 130, "stopped; nothing was left half-written"
     if line:
         say(f"glcloth: {' '.join(line.split())}" if code == 2 else f"glcloth: {line}")
     sys.exit(code)
+
+
+def _told(error: BaseException) -> tuple[int, str]:
+    """The exit code of an error, and the line that says what is wrong."""
+    if isinstance(error, CycloptsError | InputError):
+        return 2, str(error)
+    if isinstance(error, NoOpenGLError):
+        return 3, str(error)
+    if isinstance(error, ShaderError):
+        return 1, f"a shader does not compile on this driver: {error}"
+    if isinstance(error, MemoryError):
+        return 2, "out of memory; choose a smaller --size, --grid or environment"
+    if isinstance(error, BrokenPipeError):
+        return 0, ""
+    if isinstance(error, KeyboardInterrupt):
+        return 130, ""
+    what = " ".join(f"{type(error).__name__}: {error}".split())
+    return 1, f"a fault of glcloth, please report it: {what}; GLCLOTH_DEBUG=1 shows where"

@@ -53,11 +53,9 @@ def animate(
         Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
     """
     chosen, wind = _scene_and_wind(scene, options)
-    _check_numbers(frames, start, rate)
+    _check_numbers(frames, start, rate, turn_env)
     if chosen.curtain is not None and (turntable or turn_env):
         raise InputError("--turntable, --turn-env: for cloth under an environment; the curtain hangs in a room")
-    if not math.isfinite(turn_env):
-        raise InputError(f"--turn-env {turn_env}: expected degrees")
 
     from ..picture import sequence
     from ..picture.renderer import Renderer
@@ -67,10 +65,8 @@ def animate(
         raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
     begin = time.perf_counter()
     files = sequence.pose_files(chosen.mesh, frames) if "%" in chosen.mesh else None
-    if files:
-        chosen = chosen.changed(mesh=str(files[0]))
-    if chosen.curtain is not None:
-        chosen = chosen.changed(rate=rate)
+    if files or chosen.curtain is not None:
+        chosen = chosen.changed(**({"mesh": str(files[0])} if files else {"rate": rate}))
     with ExitStack() as stack:
         renderer = stack.enter_context(Renderer(device))
         poses = _poses(renderer, stack, files, wind, rate)
@@ -106,7 +102,9 @@ def _scene_and_wind(name: str | None, options: SceneOptions | None) -> tuple[Sce
     return chosen, wind
 
 
-def _check_numbers(frames: int, start: int, rate: int) -> None:
+def _check_numbers(frames: int, start: int, rate: int, turn_env: float) -> None:
+    if not math.isfinite(turn_env):
+        raise InputError(f"--turn-env {turn_env}: expected degrees")
     if not 1 <= frames <= 100_000 or not 0 <= start < frames:
         raise InputError(f"--frames {frames} --start {start}: expected 1 to 100000 frames and a start below that")
     if not 1 <= rate <= 240:
@@ -117,7 +115,7 @@ def _poses(
     renderer: Renderer, stack: ExitStack, files: list[Path] | None, wind: float | None, rate: int
 ) -> Callable[[int], Mesh] | None:
     """The mesh of each frame of a cloth that moves; None for one that rests."""
-    from ..geometry.mesh import load_mesh
+    from ..geometry.mesh_files import load_mesh
     from ..simulation.drape import Swaying
 
     if files:
@@ -152,7 +150,7 @@ def drape(
     *, output: Annotated[Path, output_option("Mesh to write, .ply, .obj or .glb.")], device: Device = None
 ) -> None:
     """Make the built-in cloth again by simulation: a sheet that falls over a sphere and a table's edge."""
-    from ..geometry.mesh import SAVE_SUFFIXES, save_mesh
+    from ..geometry.mesh_files import SAVE_SUFFIXES, save_mesh
     from ..gpu.context import create_context
     from ..simulation.drape import drape as simulate
 

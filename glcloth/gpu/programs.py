@@ -235,6 +235,10 @@ class Programs:
         self.most_groups: int = ctx.info["GL_MAX_COMPUTE_WORK_GROUP_COUNT"][0]  # along x
         self._programs: dict[tuple, Program] = {}
 
+    def __len__(self) -> int:
+        """How many are compiled."""
+        return len(self._programs)
+
     def compute(self, path: str, defines: Inputs | None = None, virtual: Mapping[str, str] | None = None) -> Compute:
         """The program of one compute pass; parameters as for `shader.flatten`. Raises ShaderError."""
         key = _key(path, defines, virtual)

@@ -5,13 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from ..errors import ShaderError
 from ..files import GLSL
-from .buffers import TextureBuffer
 
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"')
 # Mesa "0:12(3): error: ...", NVIDIA "0(12) : error ...", AMD, Intel and Apple "ERROR: 0:12: ..."
@@ -81,78 +77,3 @@ def explain(log: str, where: Where) -> str:
         else:
             out.append(line)
     return "\n".join(out)
-
-
-def compute(ctx, path: str, defines: Mapping[str, object] | None = None, virtual: Mapping[str, str] | None = None):
-    """Return the compute program of one pass. Raises ShaderError with mapped lines."""
-    source, where = flatten(path, defines, virtual)
-    try:
-        return ctx.compute_shader(source)
-    except Exception as error:
-        raise ShaderError(explain(str(error), where)) from None
-
-
-class Computes:
-    """The compute programs of passes by name, each compiled when it is first asked for; they count nothing."""
-
-    def __init__(self, ctx):
-        self.ctx = ctx
-        self._programs: dict[tuple, Any] = {}
-
-    def __call__(self, path: str, virtual: Mapping[str, str] | None = None):
-        """The program of one pass; `virtual` as in `flatten`. Raises ShaderError."""
-        key = path, *(virtual or {}).values()
-        if key not in self._programs:
-            virtual = {"count.glsl": "inputs/accel/count_none.glsl", **(virtual or {})}
-            self._programs[key] = compute(self.ctx, path, None, virtual)
-        return self._programs[key]
-
-    def release(self) -> None:
-        """Free the programs."""
-        for one in self._programs.values():
-            one.release()
-        self._programs.clear()
-
-
-def program(
-    ctx,
-    vertex: str,
-    fragment: str | None = None,
-    defines: Mapping[str, object] | None = None,
-    virtual: Mapping[str, str] | None = None,
-    varyings: tuple[str, ...] = (),
-):
-    """Return the program of a vertex and a fragment pass. Raises ShaderError with mapped lines."""
-    texts = {}
-    wheres = {}
-    for stage, path in (("vertex_shader", vertex), ("fragment_shader", fragment)):
-        if path is not None:
-            texts[stage], wheres[stage] = flatten(path, defines, virtual)
-    try:
-        return ctx.program(**texts, varyings=varyings)
-    except Exception as error:
-        log = str(error)
-        # moderngl heads a log with the stage it belongs to; a link error belongs to none.
-        stage = "vertex_shader" if re.search(r"^vertex_shader", log, re.M) else "fragment_shader"
-        raise ShaderError(explain(log, wheres.get(stage, []))) from None
-
-
-def set_uniforms(prog, **values) -> None:
-    """Set those uniforms that the linked program still has (a driver removes the unused ones)."""
-    for name, value in values.items():
-        # `name in prog` would go through all of them.
-        uniform = prog.get(name, None)
-        if uniform is not None:
-            uniform.value = value
-
-
-def bind_numbered(prog, units: Mapping[str, int], inputs: Mapping[str, object]) -> None:
-    """Bind textures at the units that a program not bound by name has for them, and set its uniforms."""
-    for name, value in inputs.items():
-        if name in units:
-            value.bind(units[name]) if isinstance(value, TextureBuffer) else value.use(units[name])
-        elif isinstance(value, np.ndarray):
-            if (uniform := prog.get(name, None)) is not None:
-                uniform.write(value.tobytes()[: 4 * uniform.dimension * uniform.array_length])
-        else:
-            set_uniforms(prog, **{name: value})

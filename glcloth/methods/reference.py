@@ -115,6 +115,7 @@ class Reference(Method):
     def _directions(self, lights: Lights, settings: Settings, cube: int) -> Directions:
         """Every direction that light comes from."""
         if settings.light == "map":
+            assert settings.environment is not None
             omega, solid_angle, radiance = cube_map(settings.environment, cube)
             omega = omega if settings.rotation is None else omega @ np.asarray(settings.rotation).T
             flux = solid_angle[:, None] * radiance

@@ -34,15 +34,15 @@ class ClothSurface(Surface):
     def __init__(self, ctx: moderngl.Context):
         super().__init__(ctx, FLAT)
         self.scene_buffers = SceneBuffers(ctx)
-        self._methods: dict[str, Method] = {}
+        self.methods: dict[str, Method] = {}
         self._finer: Last[Mesh] = Last()
-        self._adaptive: AdaptiveRate | None = None
+        self.adaptive_rate: AdaptiveRate | None = None
 
     def named_method(self, name: MethodName) -> Method:
         """The method of a name, made at first use. Raises InputError for an unknown one."""
-        if name not in self._methods:
-            self._methods[name] = make_method(self.ctx, name)
-        return self._methods[name]
+        if name not in self.methods:
+            self.methods[name] = make_method(self.ctx, name)
+        return self.methods[name]
 
     def prepare(self, cloth: Cloth, frame: Frame, finer: bool) -> None:
         """Take another mesh, fabric, light or method; cheap where nothing changed.
@@ -107,7 +107,7 @@ class ClothSurface(Surface):
         buffer.shade(self.program, self.inputs(view), share, self.passes[number], add=add, rows=rows)
 
     def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:
-        if self._adaptive is None:
-            self._adaptive = AdaptiveRate(self.ctx)
+        if self.adaptive_rate is None:
+            self.adaptive_rate = AdaptiveRate(self.ctx)
         inputs: Callable[[], Mapping[str, Any]] = lambda: self.inputs(view)  # noqa: E731
-        yield from self._adaptive.steps(buffer, self.program, self.list_program, self._narrowest, inputs, pace)
+        yield from self.adaptive_rate.steps(buffer, self.program, self.list_program, self._narrowest, inputs, pace)

@@ -3,6 +3,8 @@ glsl/passes/visibility/*.comp."""
 
 import numpy as np
 
+from .directions import golden_azimuth, spiral
+
 
 def reversed_bits(i, bits):
     """The number whose `bits` binary digits are those of i in reverse (van der Corput in base 2).   [own]"""
@@ -17,9 +19,7 @@ def world_directions(count):
     """
     i = reversed_bits(np.arange(count), int(count).bit_length() - 1)
     z = 1.0 - (2.0 * i + 1.0) / count
-    phi = np.pi * (3.0 - np.sqrt(5.0)) * (i + 0.5)
-    r = np.sqrt(1.0 - z * z)
-    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+    return spiral(i + 0.5, np.sqrt(1.0 - z * z), z)
 
 
 def flat_weight(cos_theta, steepness=8.0):
@@ -89,7 +89,7 @@ def own_directions(axis, sharpness, count):
     n = np.arange(count) + 0.5
     kappa = max(float(sharpness), 1e-6)
     z = 1.0 + np.log1p(-(n / count) * -np.expm1(-2.0 * kappa)) / kappa
-    phi = np.pi * (3.0 - np.sqrt(5.0)) * n
+    phi = golden_azimuth(n)
     r = np.sqrt(np.maximum(1.0 - z * z, 0.0))
     axis = np.asarray(axis, float)
     u = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])

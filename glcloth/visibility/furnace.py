@@ -9,6 +9,7 @@ from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..gpu.scene_buffers import SceneBuffers
+from ..twins.directions import cosine_directions, even_directions
 
 ALBEDO_VIEWS, ALBEDO_LIGHTS = 64, 256  # directions
 VIEWS = 24, 12  # azimuths and cosines of a viewer
@@ -30,7 +31,7 @@ class Furnace:
         return self._albedo.get(lambda: self._measure_albedo(source), source.fabric)
 
     def _measure_albedo(self, source: SceneBuffers) -> np.ndarray:
-        directions = (_cosine_directions(ALBEDO_VIEWS), even_directions(ALBEDO_LIGHTS))
+        directions = (cosine_directions(ALBEDO_VIEWS), even_directions(ALBEDO_LIGHTS))
         points = self._directions.get(lambda: _texels(self.ctx, *directions))
         results = Buffer(self.ctx, 16 * ALBEDO_VIEWS)
         counts = {"view_count": ALBEDO_VIEWS, "light_count": ALBEDO_LIGHTS}
@@ -60,18 +61,3 @@ class Furnace:
 def _texels(ctx: moderngl.Context, *directions: np.ndarray) -> TextureBuffer:
     rows = np.concatenate(directions)
     return TextureBuffer(ctx, np.pad(rows, ((0, 0), (0, 1))).astype("f4"))
-
-
-def even_directions(count: int) -> np.ndarray:
-    """Directions [count, 3] over the upper hemisphere, even in solid angle."""
-    n = np.arange(count) + 0.5
-    z, phi = 1.0 - n / count, np.pi * (3.0 - np.sqrt(5.0)) * n
-    r = np.sqrt(1.0 - z * z)
-    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
-
-
-def _cosine_directions(count: int) -> np.ndarray:
-    """Directions [count, 3] over the upper hemisphere, even in cosine-weighted solid angle."""
-    n = np.arange(count) + 0.5
-    r, phi = np.sqrt(n / count), np.pi * (3.0 - np.sqrt(5.0)) * n
-    return np.stack([r * np.cos(phi), r * np.sin(phi), np.sqrt(1.0 - r * r)], -1)

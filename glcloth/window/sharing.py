@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import pprint
 import shlex
-import tomllib
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import tomli_w
 
 from ..errors import InputError
 from ..fabric import Fabric
 from ..fields import entries
+from ..files import read_toml
 from ..image import read_settings
 from ..light.lights_file import FORMAT
 from ..scene import CurtainParameters, Scene
 
 MESHES = (".obj", ".ply", ".glb", ".gltf")
+KINDS = {".hdr": "env", ".png": "scene", ".json": "lights", **dict.fromkeys(MESHES, "mesh")}
 
 
 def kind_of(path: str | Path) -> Literal["scene", "fabric", "lights", "mesh", "env"]:
@@ -26,22 +27,13 @@ def kind_of(path: str | Path) -> Literal["scene", "fabric", "lights", "mesh", "e
     suffix = path.suffix.lower()
     if not path.is_file():
         raise InputError(f"{path}: no such file")
-    if suffix in MESHES:
-        return "mesh"
-    if suffix == ".hdr":
-        return "env"
+    if suffix in KINDS:
+        return KINDS[suffix]
     if suffix == ".exr":
         settings = read_settings(path) or {}
         return "scene" if "scene" in settings or "curtain" in settings else "env"
-    if suffix == ".png":
-        return "scene"
-    if suffix == ".json":
-        return "lights"
     if suffix == ".toml":
-        try:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-            raise InputError(f"{path}: not TOML: {error}") from None
+        data = read_toml(path, "a fabric, a scene or lights")
         if data.get("format") == FORMAT:
             return "lights"
         return "fabric" if "yarn" in data or "normalization" in data else "scene"
@@ -66,18 +58,19 @@ def as_command(scene: Scene, output: str = "picture.png", frame: int = 0) -> str
         return f"cat > scene.toml <<'END'\n{tomli_w.dumps(data)}END\nglcloth render scene.toml -o {output}\n"
     words = ["glcloth", "render", *(["curtain"] if table is not None else []), "-o", output]
     for name, value in (data | (table or {})).items():
-        option = options[name]
-        if isinstance(value, bool):
-            words.append(option if value else f"--no-{option[2:]}")
-        elif name == "objects":
-            words += [f"{option}={path}" for path in value]
-        elif name == "ground_color":
-            words.append(f"{option}={','.join(f'{v:g}' for v in value)}")
-        elif name == "size":
-            words += [option, f"{value[0]}x{value[1]}"]
-        else:
-            words.append(f"{option}={value}")
+        words += _words(name, options[name], value)
     return shlex.join(words) + "\n"
+
+
+def _words(name: str, option: str, value: Any) -> list[str]:
+    """The words of a command line that give an option a value."""
+    if isinstance(value, bool):
+        return [option if value else f"--no-{option[2:]}"]
+    if name == "objects":
+        return [f"{option}={path}" for path in value]
+    if name == "size":
+        return [option, f"{value[0]}x{value[1]}"]
+    return [f"{option}={','.join(f'{v:g}' for v in value) if isinstance(value, list) else value}"]
 
 
 def as_python(scene: Scene, output: str = "picture.png", frame: int = 0) -> str:

@@ -30,3 +30,32 @@ vec4 twice_atan(vec4 y) {
     vec4 y2 = y * y;
     return y * (1.99995452 + y2 * (-0.66524694 + y2 * (0.38708692 + y2 * (-0.23286574 + y2 * (0.10530664 - y2 * 0.0234424)))));
 }
+
+// [own]  omega . t and omega . n of a direction that lies `along` the yarn and z above the surface.
+mat2x4 tangent_slots(vec4 along, float z, vec4 cos_tilt, vec4 sin_tilt) {
+    return mat2x4(along * cos_tilt - z * sin_tilt, along * sin_tilt + z * cos_tilt);
+}
+
+// [own]  theta of a direction by sin(theta) = omega . t.
+vec4 theta_slots(vec4 t) {
+    vec4 c2 = max(1.0 - t * t, 1e-7);
+    return twice_atan(t / (1.0 + c2 * inversesqrt(c2)));
+}
+
+// [Miz 4]  The lobe of a rule's node: a Gaussian of theta_i whose exponent is the square of start + slope theta_i.
+vec4 lobe_slots(vec4 theta_i, vec4 start, vec4 slope, vec4 height) {
+    vec4 x = start + slope * theta_i;
+    return exp2(height - x * x);
+}
+
+// [Miz 5-6, 12]  What the terms of f_s and W take from two directions: columns M, F_r, cos(phi_d / 2) / 2, 4 cos^2(theta_d).
+// No term needs a clamp at its tangent's horizon, where P vanishes.
+mat4 scatter_slots(vec4 t, vec4 cos_theta_i, vec4 cos_phi_i, vec4 cos_phi_d, vec4 sin_theta_o, vec4 cos_theta_o, vec4 cos_phi_o,
+                   vec4 F_0, vec4 series) {
+    vec4 M = D_masks(g_of_cos(cos_phi_d, series), cos_phi_i, cos_phi_o);
+    vec4 half_cos_half_phi_d = sqrt(max(0.125 + 0.125 * cos_phi_d, 0.0));
+    vec4 cos_sum = cos_theta_i + cos_theta_o, sin_sum = t + sin_theta_o;
+    vec4 cos2_theta_d_4 = cos_sum * cos_sum + sin_sum * sin_sum;
+    vec4 F_r = F_slots(F_0, sqrt(cos2_theta_d_4), half_cos_half_phi_d);
+    return mat4(M, F_r, half_cos_half_phi_d, cos2_theta_d_4);
+}

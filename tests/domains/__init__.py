@@ -2,7 +2,8 @@
 
 A domain is a function (rng, count) -> values; `between(low, high, corners...)` and its kin make them. DOMAINS holds for
 every GLSL file. The module of a GLSL folder (sg.py for glsl/sg) may define DOMAINS of its own, SPECIAL, which overrides
-the domain of one parameter of one function, and TOLERANCE, the allowed difference of one function, with its reason.
+the domain of one parameter of one function, JOINT, (rng, count) -> {parameter: values} of those parameters of a function
+that only make sense together, and TOLERANCE, the allowed difference of one function, with its reason.
 """
 
 import numpy as np

@@ -34,6 +34,27 @@ def horizontal(rng, count):
     return np.stack([np.cos(angle), np.sin(angle)], -1)
 
 
+def two_directions(rng, count):
+    """omega_i and omega_o as four tangents see them, above their horizons."""
+    theta_i, theta_o, phi_i, phi_o = rng.uniform(-HALF, HALF, (4, count, 4))
+    return {
+        "t": np.sin(theta_i),
+        "cos_theta_i": np.cos(theta_i),
+        "cos_phi_i": np.cos(phi_i),
+        "cos_phi_d": np.cos(phi_i - phi_o),
+        "sin_theta_o": np.sin(theta_o),
+        "cos_theta_o": np.cos(theta_o),
+        "cos_phi_o": np.cos(phi_o),
+    }
+
+
+def azimuth_of_node(rng, count):
+    """The cosine and sine of an azimuth on the lit side of a cylinder."""
+    phi = rng.uniform(0, HALF, count)
+    return {"cos_phi": np.cos(phi), "sin_phi": np.sin(phi)}
+
+
+JOINT = {"scatter_slots": two_directions, "scatter_pair": azimuth_of_node}
 DOMAINS = {
     "angle": between(0.0, np.pi, HALF),
     "width": log_between(1.5e-3, 1.5),
@@ -55,6 +76,18 @@ DOMAINS = {
     "cos_half_phi_d": four(0.0, 1.0),
 }
 SPECIAL = {
+    ("tangent_slots", "along"): four(-1.0, 1.0),
+    ("tangent_slots", "z"): between(-1.0, 1.0),
+    ("tangent_slots", "cos_tilt"): four(0.0, 1.0),
+    ("tangent_slots", "sin_tilt"): four(-1.0, 1.0),
+    ("theta_slots", "t"): four(-1.0, 1.0, 0.0),
+    ("lobe_slots", "theta_i"): four(-HALF, HALF),
+    ("lobe_slots", "start"): four(-3.0, 3.0),
+    ("lobe_slots", "slope"): four(0.0, 3.0),
+    ("lobe_slots", "height"): four(-5.0, 5.0),
+    ("scatter_pair", "phi_o"): horizontal,
+    ("scatter_pair", "F_0"): between(0.0, 0.25),
+    ("scatter_pair", "cos_theta_d"): between(0.0, 1.0),
     ("column_of_lobe", "width"): log_between(0.5 * DEG, 1.5),
     ("twice_atan", "y"): four(-1.0, 1.0, 0.0, 0.01),
     ("sin_limit", "cos_tilt"): between(1e-3, 1.0),
@@ -67,8 +100,13 @@ TOLERANCE = {
     # The fitted end of the series: 1e-4 for sigma up to 30 degrees. And 1 - cos(angle) has a rounding of 6e-8, over
     # sigma^2 = 3e-4 for one degree.
     "g_of_cos": (1e-3, 4e-4),
+    # M by that.
+    "scatter_pair": (1e-3, 4e-4),
+    "scatter_slots": (1e-3, 4e-4),
     # The polynomial is off by 4e-6, and by 2e-5 of small angles.
     "twice_atan": (3e-5, 5e-6),
+    # Where cos^2(theta) is held above 1e-7.
+    "theta_slots": (3e-5, 4e-4),
     # The root of 1 - q^2 near its end.
     "sin_limit": (3e-5, 1e-3),
 }

@@ -51,14 +51,23 @@ DOMAINS = {
     "sharpness": log_between(1e-4, 1e5),
 }
 SPECIAL = {
+    ("theta_gaussians", "theta_k"): between(-HALF, HALF, 0.0),
+    ("theta_gaussians", "theta_o"): between(-HALF, HALF, 0.0),
+    ("node_terms", "weight"): _three(0, 1),
+    ("node_terms", "cos_theta"): between(0.0, 1.0),
+    ("node_terms", "cos_theta_d"): between(0.5, 1.0),
+    ("node_terms", "slope"): between(0.5, 2.0),
     # Further out the series loses digits, where exp(-u^2) leaves less than 1e-5 of it; here `gaussian` is free.
     ("hat_integral", "u"): _three(-1.5, 1.5),
 }
 TOLERANCE = {
     # Coefficients up to 250 with alternating signs: 1e3 roundings of 6e-8 of the largest integral, which is 3 here.
     "volume_sum": (3e-5, 2e-4),
+    # Up to eight times that.
+    "node_terms": (3e-5, 1.6e-3),
     # The series leaves out about step^4 / 15 at step = 0.2.
     "hat_integral": (1.2e-4, 1e-5),
     # exp(-lost) with lost up to 100: relative error 100 x 6e-8 x the rounding of lost; angles of up to pi.
     "g_c_product": (1e-4, 3e-6),
+    "theta_gaussians": (1e-4, 3e-6),
 }

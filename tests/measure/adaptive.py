@@ -19,4 +19,4 @@ with glcloth.Renderer() as renderer:
         full, fast = (luminance(picture[..., :3])[covered] for picture in (full, fast))
         error = 100 * np.abs(fast / full - 1)
         levels = " / ".join(f"{v:.2f}" for v in (error.mean(), *np.percentile(error, (95, 99)), error.max()))
-        common.row(fabric, f"{100 * renderer.stage.cloths[0]._adaptive.shaded() / covered.sum():.0f} %", levels)
+        common.row(fabric, f"{100 * renderer.stage.cloths[0].adaptive_rate.shaded() / covered.sum():.0f} %", levels)

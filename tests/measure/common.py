@@ -99,7 +99,7 @@ def spent(renderer, work):
 
 def set_method(renderer, name, method):
     """Have a renderer use `method` under a method's name."""
-    renderer.stage.cloths[0]._methods[name] = method
+    renderer.stage.cloths[0].methods[name] = method
 
 
 class Pixels:
@@ -110,8 +110,8 @@ class Pixels:
         width, height = buffer.size
         self.ray_from_pixel = buffer.ray_from_pixel
         self.N, self.x, self.p = (
-            np.frombuffer(t.read(), "f4").reshape(height, width, 4).astype(float)
-            for t in (buffer.frame_N, buffer.frame_x, buffer.frame_p)
+            np.frombuffer(buffer.frame(name).read(), "f4").reshape(height, width, 4).astype(float)
+            for name in ("frame_N", "frame_x", "frame_p")
         )
         self.covered = np.argwhere(self.N[..., 3] != 0)  # row from below, column
 

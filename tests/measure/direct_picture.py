@@ -1,4 +1,4 @@
-"""How close pictures by method `direct` come to brute force under the same lights; a table of docs/direct.md.
+"""How close pictures by method `direct` come to brute force under the same lights, without shadows.
 
 python tests/measure/direct_picture.py [ENV] [--pixels 80]  (random pixels of each fabric: 3 minutes)
 
@@ -17,7 +17,7 @@ options = common.options(__doc__, ["studio"], pixels=80)
 common.head("fabric", *common.QUALITIES)
 with glcloth.Renderer() as renderer:
     for name in KINDS[:6]:
-        scene = dict(fabric=name, mesh="drape", env=options.environments[0], size=(200, 150), background=False)
+        scene = dict(fabric=name, env=options.environments[0], size=(200, 150), background=False, shadows="off")
         pictures = [renderer.render(quality=q, **scene)[::-1, :, :3] for q in common.QUALITIES]
         G, pixels = renderer.prepare(**scene).lights.gaussians, common.Pixels(renderer)
         cloth = glcloth.load_fabric(name).arrays()

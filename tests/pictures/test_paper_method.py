@@ -8,6 +8,7 @@ from test_truth import model
 
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
+from glcloth.gpu.programs import programs
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.methods.paper import method as paper
 from glcloth.methods.paper import precompute, tables
@@ -114,11 +115,11 @@ def test_parameters_change_without_new_tables(renderer, monkeypatch):
         raise AssertionError("tables were asked for")
 
     monkeypatch.setattr(paper, "tables_for", refuse)
-    programs = len(renderer._programs)
+    compiled = len(programs(renderer.ctx))
     change = dict(albedo=(0.5, 0.4, 0.3), eta=1.3, k_d=0.6, gamma_s_deg=20, gamma_v_deg=30)
     edited = linen.model_copy(update=dict(yarn=tuple(y.model_copy(update=change) for y in linen.yarn)))
     after = renderer.radiance(edited, VIEWS, LOBES, segments=9, **settings)
-    assert len(renderer._programs) == programs and np.abs(after - before).min() > 1e-4
+    assert len(programs(renderer.ctx)) == compiled and np.abs(after - before).min() > 1e-4
     turned = renderer.radiance(edited, VIEWS, LOBES.rotated(np.diag([-1.0, -1.0, 1.0])), segments=9, **settings)
     assert not np.allclose(turned, after, rtol=1e-3)
     retilted = linen.model_copy(update=dict(sigma_deg=25.0))
@@ -141,7 +142,7 @@ def test_wide_volumes_of_slices_are_tiled(renderer, monkeypatch):
     whole = renderer.radiance("linen", VIEWS, LOBES, method="paper", grid=16, contribution=0.95)
     method = paper.Paper(renderer.ctx)
     monkeypatch.setattr(paper, "DEEPEST", 5)
-    monkeypatch.setitem(renderer._methods, "paper", method)
+    monkeypatch.setitem(renderer.stage.cloths[0].methods, "paper", method)
     tiled = renderer.radiance("linen", VIEWS, LOBES, method="paper", grid=16, contribution=0.95)
     assert method.inputs()["tiling"][1] > 1 and np.allclose(tiled, whole, rtol=1e-3, atol=1e-5)
     method.release()

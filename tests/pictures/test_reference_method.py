@@ -48,7 +48,7 @@ def test_a_picture_is_the_twin_at_every_pixel(renderer, name):
     buffer = renderer.gbuffer
     N, x = (
         np.frombuffer(t.read(), "f4").reshape(size[1], size[0], 4).astype(float)
-        for t in (buffer.frame_N, buffer.frame_x)
+        for t in map(buffer.frame, ("frame_N", "frame_x"))
     )
     omega, solid_angle, radiance = cube_map_of_gaussians(LIGHTS.gaussians, cube)
     omega = np.concatenate([omega, LIGHTS.suns.direction])

@@ -102,7 +102,7 @@ def test_a_picture_is_the_twin_with_rays_that_meet_every_triangle(renderer, shad
     buffer = renderer.gbuffer
     N, x, p = (
         np.frombuffer(t.read(), "f4").reshape(SIZE[1], SIZE[0], 4).astype(float)
-        for t in (buffer.frame_N, buffer.frame_x, buffer.frame_p)
+        for t in map(buffer.frame, ("frame_N", "frame_x", "frame_p"))
     )
     omega, flux, solid_angle = directions_and_flux(CUBE)
     edges = mesh.positions[mesh.triangles].astype(float)
@@ -206,11 +206,11 @@ def test_a_bounce_between_two_parallel_sheets(renderer):
 def test_steps_do_what_render_does(renderer):
     scene = dict(SCENE, mesh=curved_sheets(), shadows="full")
     expected = renderer.render(**scene)
-    renderer._methods.pop("reference")  # so that the vertices are lit anew, between the steps
+    renderer.stage.cloths[0].methods.pop("reference")  # so that the vertices are lit anew, between the steps
     frame = renderer.prepare(**scene)
     shares = list(renderer.steps(frame, rows=lambda: 7))
     assert shares[0][0] == 0 and shares[-1][0] == shares[-1][1]
-    assert np.array_equal(renderer._target(frame.scene.size).read(), expected)
+    assert np.array_equal(renderer.target.read(), expected)
 
 
 @pytest.mark.parametrize("name", builtin_fabrics())

@@ -1,6 +1,5 @@
 """The ground: shared structs, includes and their errors, texture buffers, camera rays, the G-buffer's frames."""
 
-import moderngl
 import numpy as np
 import pytest
 
@@ -9,8 +8,9 @@ from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh
 from glcloth.gpu import layout, shader
-from glcloth.gpu.buffers import TextureBuffer
+from glcloth.gpu.buffers import Buffer, TextureBuffer
 from glcloth.gpu.gbuffer import GBuffer, MeshBuffers
+from glcloth.gpu.programs import Programs
 
 STRUCTS = layout.shared()[1]
 
@@ -33,19 +33,16 @@ def test_structs_mean_the_same_on_both_sides(ctx, name):
                 "#version 430",
                 "layout(local_size_x = 1) in;",
                 '#include "core/shared.glsl"',
-                f"layout(std430, binding = 0) readonly buffer In {{ {name} items[]; }};",
-                f"layout(std430, binding = 1) writeonly buffer Out {{ {kind} results[]; }};",
+                f"layout(std430) readonly buffer In {{ {name} items[]; }};",
+                f"layout(std430) writeonly buffer Out {{ {kind} results[]; }};",
                 "void main() { uint i = gl_GlobalInvocationID.x;",
                 *[f"results[i * {width}u + {c}u] = {part};" for c, part in enumerate(parts)],
                 "}",
             ]
         )
-        program = shader.compute(ctx, "<echo>", virtual={"<echo>": kernel})
-        source, result = ctx.buffer(data.tobytes()), ctx.buffer(reserve=4 * 5 * width)
-        source.bind_to_storage_buffer(0)
-        result.bind_to_storage_buffer(1)
-        program.run(5)
-        ctx.memory_barrier(moderngl.BUFFER_UPDATE_BARRIER_BIT)
+        program = Programs(ctx).compute("<echo>", None, {"<echo>": kernel})
+        result = Buffer(ctx, 4 * 5 * width)
+        program.run(5, In=Buffer(ctx, data), Out=result)
         got = np.frombuffer(result.read(), base).reshape(5, width)
         assert np.array_equal(got, data[field].reshape(5, width)), field
 
@@ -71,7 +68,7 @@ def test_an_include_cycle_and_a_missing_file_are_named():
 def test_compile_errors_name_the_file_and_line(ctx):
     kernel = '#version 430\nlayout(local_size_x = 1) in;\n#include "lib"\nvoid main() {}'
     with pytest.raises(ShaderError, match=r"glsl/lib:2: .*oops"):
-        shader.compute(ctx, "k", virtual={"k": kernel, "lib": "float f() {\nreturn oops;\n}"})
+        Programs(ctx).compute("k", None, {"k": kernel, "lib": "float f() {\nreturn oops;\n}"})
 
 
 @pytest.mark.parametrize("log", ["0:3(5): error: bad", "0(3) : error C1: bad", "ERROR: 0:3: bad"])
@@ -83,19 +80,16 @@ def test_logs_of_all_vendors_are_mapped(log):
 def test_texture_buffers_read_what_was_written_and_grow(ctx):
     kernel = """#version 430
 layout(local_size_x = 1) in;
-layout(binding = 9) uniform samplerBuffer data;
-layout(std430, binding = 0) writeonly buffer Out { vec4 result[]; };
+uniform samplerBuffer data;
+layout(std430) writeonly buffer Out { vec4 result[]; };
 void main() { result[gl_GlobalInvocationID.x] = texelFetch(data, int(gl_GlobalInvocationID.x)); }"""
-    program = shader.compute(ctx, "k", virtual={"k": kernel})
+    program = Programs(ctx).compute("k", None, {"k": kernel})
     buffer = TextureBuffer(ctx, 16)
     for count in (1, 50, 7):
         values = np.random.default_rng(count).random((count, 4)).astype("f4")
         buffer.write(values)
-        result = ctx.buffer(reserve=16 * count)
-        result.bind_to_storage_buffer(0)
-        buffer.bind(9)
-        program.run(count)
-        ctx.memory_barrier(moderngl.BUFFER_UPDATE_BARRIER_BIT)
+        result = Buffer(ctx, 16 * count)
+        program.run(count, data=buffer, Out=result)
         assert np.array_equal(np.frombuffer(result.read(), "f4").reshape(-1, 4), values)
     buffer.release()
 
@@ -126,7 +120,9 @@ def test_wrong_cameras_are_input_errors():
 def frames(ctx, mesh, camera, size=(64, 48)):
     buffer, buffers = GBuffer(ctx, size), MeshBuffers(ctx, mesh)
     buffer.draw(buffers, camera)
-    read = [np.frombuffer(t.read(), "f4").reshape(size[1], size[0], 4) for t in (buffer.frame_N, buffer.frame_x)]
+    read = [
+        np.frombuffer(t.read(), "f4").reshape(size[1], size[0], 4) for t in map(buffer.frame, ("frame_N", "frame_x"))
+    ]
     rays = np.array([[buffer.ray_from_pixel @ [x + 0.5, y + 0.5, 1] for x in range(size[0])] for y in range(size[1])])
     buffer.release()
     buffers.release()

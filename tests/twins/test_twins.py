@@ -30,13 +30,14 @@ def arguments(path, name, parameters, count, rng):
     """Rounded to float32, so that both sides see the same numbers."""
     own = described(path)
     special, general = getattr(own, "SPECIAL", {}), {**domains.DOMAINS, **getattr(own, "DOMAINS", {})}
+    together = getattr(own, "JOINT", {}).get(name, lambda *_: {})(rng, count)
     out = []
     for kind, parameter in parameters:
         domain = special.get((name, parameter)) or general.get(parameter)
-        assert domain is not None, (
+        assert domain is not None or parameter in together, (
             f"{name}: give `{kind} {parameter}` a domain in tests/domains/{path.split('/')[0]}.py"
         )
-        values = np.asarray(domain(rng, count))
+        values = np.asarray(together[parameter] if parameter in together else domain(rng, count))
         out.append(values if kind[0] in "iu" else values.astype(np.float32).astype(np.float64))
     return out
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-import glcloth.picture.renderer
+from glcloth.picture import pace
 from glcloth.scene import Scene
 
 SIZE = (131, 97)
@@ -26,14 +26,14 @@ def test_bands_make_the_same_picture(renderer, monkeypatch, changes):
     frame = renderer.prepare(Scene(size=SIZE, **changes))
     expected = renderer.render_frame(frame)
     names = ("frame_N", "frame_x", "frame_p", "frame_b")
-    frames = [getattr(renderer.gbuffer, name).read() for name in names]
-    monkeypatch.setattr(glcloth.picture.renderer, "BAND_PIXELS", 1500)
-    renderer.gbuffer._drawn = None
+    frames = [renderer.gbuffer.frame(name).read() for name in names]
+    monkeypatch.setattr(pace, "BAND_PIXELS", 1500)
+    renderer.gbuffer.forget()
     steps = sum(1 for _ in renderer.steps(frame, lambda: 7))
     assert steps > 14
-    got = renderer.gbuffer.read()[..., :3]
+    got = renderer.target.read()[..., :3]
     np.testing.assert_array_equal(got, expected)
-    assert [getattr(renderer.gbuffer, name).read() for name in names] == frames
+    assert [renderer.gbuffer.frame(name).read() for name in names] == frames
     assert (expected > 0).any()
 
 
@@ -48,7 +48,7 @@ def test_other_drawing_between_two_parts_changes_nothing(renderer, ctx):
         target.clear(1.0, 0.0, 0.0, 1.0)
         for unit in range(12):
             other.use(unit)
-    np.testing.assert_array_equal(renderer.gbuffer.read()[..., :3], expected)
+    np.testing.assert_array_equal(renderer.target.read()[..., :3], expected)
     ctx.detect_framebuffer(0).use()
     target.release()
     other.release()

@@ -15,6 +15,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from ...twins.directions import even_directions
 from ...twins.disk import from_disk
 from .gaussian_nodes import sky_nodes
 
@@ -26,12 +27,8 @@ FIXED_LEVEL = 8  # of the rule for what varies slowly with omega_i
 
 
 def directions(level: int) -> np.ndarray:
-    """Directions [J, 3] above the horizon, surface frame: a Fibonacci spiral, even in solid angle."""
-    count = LEVELS[level][1]
-    i = np.arange(count) + 0.5
-    z, phi = 1.0 - i / count, np.pi * (3.0 - np.sqrt(5.0)) * i
-    r = np.sqrt(1.0 - z * z)
-    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+    """Directions [J, 3] above the horizon, surface frame, even in solid angle."""
+    return even_directions(LEVELS[level][1])
 
 
 def basis(level: int, omega: np.ndarray) -> np.ndarray:
@@ -44,7 +41,7 @@ def _covariance(level: int, a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """C [len(a), len(b)] of a mixture of light: constant, and of three sharpnesses, each of variance 1."""
     s = np.linalg.norm(a[:, None] + b[None], axis=-1)
     kappa = LEVELS[level][0]
-    return 0.25 + 0.25 * sum(_sinhc(k, s) for k in (1.0, kappa / 3.0, kappa))
+    return 0.25 + 0.25 * sum((_sinhc(k, s) for k in (1.0, kappa / 3.0, kappa)), np.zeros(()))
 
 
 def _sinhc(k: float, s: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ the horizon.
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -98,16 +99,13 @@ def exact_table(sharpness: float, level: int) -> np.ndarray:
     half = (len(rows) + 1) // 2
     nodes, logs = _row_rules(k, angle, th[:half], w_th[:half], rows[:half], len(rows))
     mirror = [*range(half), *range(len(rows) - half - 1, -1, -1)]
-    a, b, c, log_w = [], [], [], []
+    columns = []
     for i, j in enumerate(mirror):
         sin_th, cos_th = np.sin(th[i]), np.cos(th[i])
         for n in range(rows[i]):
             turn = nodes[j][:, n] - angle
-            a.append(np.full(COLUMNS, sin_th))
-            b.append(cos_th * np.sin(turn))
-            c.append(cos_th * np.cos(turn))
-            log_w.append(logs[j][:, n])
-    a, b, c, log_w = (np.array(v) for v in (a, b, c, log_w))
+            columns.append((np.full(COLUMNS, sin_th), cos_th * np.sin(turn), cos_th * np.cos(turn), logs[j][:, n]))
+    a, b, c, log_w = (np.array(column) for column in zip(*columns, strict=True))
     top = log_w.max(0)
     weight = np.exp(log_w - top)
     mass = weight.sum(0)
@@ -148,6 +146,15 @@ def _th_rule(k: float, n: int) -> tuple[np.ndarray, np.ndarray]:
     return th, w * np.sqrt(1 + k * np.cos(th))
 
 
+class _Row(NamedTuple):
+    """Points of one row, [COLUMNS, points]."""
+
+    ph: np.ndarray
+    w: np.ndarray  # scaled so that the largest is about 1
+    log_scale: np.ndarray  # of w, [COLUMNS, 1]
+    log_weight: np.ndarray  # the same with the row's mirror image
+
+
 def _row_rules(k, angle, th, w_th, rows, row_count):
     """Per row the nodes ph [COLUMNS, n] and the logarithms of their weights; th, w_th, rows of one half of the rows.
 
@@ -155,52 +162,53 @@ def _row_rules(k, angle, th, w_th, rows, row_count):
     add what the short ones lack, which changes the last coefficients of their recurrence.
     """
     n = max(rows)
-    kappa = k * np.cos(th)
     near = np.clip(angle, -HALF, HALF)[:, None]
-    data, short = [], []
-    for i, row in enumerate(rows):
-        # Below the horizon the Gaussian falls off from it as exp(-kappa sin(depth) x).
-        narrow = np.minimum(
-            1 / np.sqrt(kappa[i] / 2 + 0.05), 2 / (kappa[i] * np.abs(np.sin(near - angle[:, None])) + 1e-9)
-        )
-        # Broad ones under the nadir light both ends of the interval, so no part of it may be left out.
-        reach = 7 * narrow if kappa[i] > 40.0 else np.pi
-        low, high = np.maximum(-HALF, near - reach), np.minimum(HALF, near + reach)
-        ph = 0.5 * (low + high) + 0.5 * (high - low) * _X
-        exponent = -2 * kappa[i] * np.sin(0.5 * (ph - angle[:, None])) ** 2
-        top = exponent.max(-1, keepdims=True)
-        w = 0.5 * (high - low) * _W * np.exp(exponent - top)
-        weight = w_th[i] * (1 if 2 * i + 1 == row_count else 2)  # of this row and its mirror image
-        data.append((ph, w, top + np.log(w_th[i]), top + np.log(weight)))
-        if row < n:
-            short.append((i, *nodes_and_weights(*recurrence(ph - near, w, row))))
-    shortened = {i: (x, w) for i, x, w in short}
-    long = [i for i, row in enumerate(rows) if row == n]
-    top_all = np.max([data[i][3] for i in long], 0)
-    mass = sum((data[i][1].sum(-1, keepdims=True) * np.exp(data[i][3] - top_all)) for i in long)
+    mirrored = [1 if 2 * i + 1 == row_count else 2 for i in range(len(rows))]
+    points = [_row_points(k * np.cos(t), angle, near, w, m) for t, w, m in zip(th, w_th, mirrored, strict=True)]
+    rules = [
+        nodes_and_weights(*recurrence(points[i].ph - near, points[i].w, row)) if row < n else None
+        for i, row in enumerate(rows)
+    ]
+    short = [(points[i], *rule) for i, rule in enumerate(rules) if rule is not None]
+    long = [i for i, rule in enumerate(rules) if rule is None]
+    top = np.max([points[i].log_weight for i in long], 0)
+    mass = sum((points[i].w.sum(-1, keepdims=True) * np.exp(points[i].log_weight - top)) for i in long)
     nodes, logs = [], []
-    for i, row in enumerate(rows):
-        ph, w, log_row, _ = data[i]
-        if row < n:
-            x, v = shortened[i]
-        else:
-            a, b = recurrence(ph - near, w, n)
-            if short:
-                missing = np.zeros((2, len(angle)))
-                for j, x_j, v_j in short:
-                    ph_j, w_j, _, log_j = data[j]
-                    scale = np.exp(log_j - top_all)[:, 0]
-                    exact, rule = (polynomial(p, a, b, n - 1) ** 2 for p in (ph_j - near, x_j))
-                    for m, (f, g) in enumerate(((1, 1), (ph_j - near - a[:, -1:], x_j - a[:, -1:]))):
-                        missing[m] += scale * ((w_j * exact * f).sum(-1) - (v_j * rule * g).sum(-1))
-                # Every long row takes its share by mass.
-                own = b.prod(-1)  # the squared norm of the polynomial of degree n - 1
-                # Deep below the horizon the outer rows outweigh the inner ones; then this much is as good as all.
-                add = np.clip(missing[0] / mass[:, 0] * w.sum(-1), 0.0, own)
-                limit = 0.25 * np.sqrt(b[:, -1])
-                a[:, -1] += np.clip(missing[1] / mass[:, 0] * w.sum(-1) / (own + add), -limit, limit)
-                b[:, -1] *= (own + add) / own
-            x, v = nodes_and_weights(a, b)
+    for row, rule in zip(points, rules, strict=True):
+        x, v = rule or _long_rule(row, near, n, short, top, mass)
         nodes.append(np.clip(x + near, -HALF, HALF))
-        logs.append(np.log(np.maximum(v, 1e-300)) + log_row)
+        logs.append(np.log(np.maximum(v, 1e-300)) + row.log_scale)
     return nodes, logs
+
+
+def _row_points(kappa, angle, near, w_th, mirrored) -> _Row:
+    """Points on which the Gaussian along one row is as good as known; `mirrored`: how many rows are like it."""
+    # Below the horizon the Gaussian falls off from it as exp(-kappa sin(depth) x).
+    narrow = np.minimum(1 / np.sqrt(kappa / 2 + 0.05), 2 / (kappa * np.abs(np.sin(near - angle[:, None])) + 1e-9))
+    # Broad ones under the nadir light both ends of the interval, so no part of it may be left out.
+    reach = 7 * narrow if kappa > 40.0 else np.pi
+    low, high = np.maximum(-HALF, near - reach), np.minimum(HALF, near + reach)
+    ph = 0.5 * (low + high) + 0.5 * (high - low) * _X
+    exponent = -2 * kappa * np.sin(0.5 * (ph - angle[:, None])) ** 2
+    top = exponent.max(-1, keepdims=True)
+    w = 0.5 * (high - low) * _W * np.exp(exponent - top)
+    return _Row(ph, w, top + np.log(w_th), top + np.log(w_th * mirrored))
+
+
+def _long_rule(row: _Row, near, n, short, top, mass) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and weights of a long row, with its share by mass of what the short rows (points, nodes, weights) lack."""
+    a, b = recurrence(row.ph - near, row.w, n)
+    if short:
+        missing = np.zeros((2, len(near)))
+        for other, x, v in short:
+            scale = np.exp(other.log_weight - top)[:, 0]
+            exact, rule = (polynomial(p, a, b, n - 1) ** 2 for p in (other.ph - near, x))
+            for m, (f, g) in enumerate(((1, 1), (other.ph - near - a[:, -1:], x - a[:, -1:]))):
+                missing[m] += scale * ((other.w * exact * f).sum(-1) - (v * rule * g).sum(-1))
+        own = b.prod(-1)  # the squared norm of the polynomial of degree n - 1
+        # Deep below the horizon the outer rows outweigh the inner ones; then this much is as good as all.
+        add = np.clip(missing[0] / mass[:, 0] * row.w.sum(-1), 0.0, own)
+        limit = 0.25 * np.sqrt(b[:, -1])
+        a[:, -1] += np.clip(missing[1] / mass[:, 0] * row.w.sum(-1) / (own + add), -limit, limit)
+        b[:, -1] *= (own + add) / own
+    return nodes_and_weights(a, b)

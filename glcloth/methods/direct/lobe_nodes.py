@@ -63,8 +63,8 @@ def lobe_table(tilts: np.ndarray, lobes: Lobes, count: int) -> np.ndarray:
 
 
 @lru_cache(8)
-def _tables(tilts: tuple[float, ...], lobes: Lobes, count: int) -> np.ndarray:
-    tilts = np.array(tilts)
+def _tables(of_tilts: tuple[float, ...], lobes: Lobes, count: int) -> np.ndarray:
+    tilts = np.array(of_tilts)
     width = lobes.width
     low = np.full(len(tilts), -HALF)[:, None]
     high = (HALF - tilts)[:, None]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...fabric import Fabric
+from ...fabric import Fabric, Yarn
 from .gaussian_nodes import LADDER, nodes_in_row
 from .lobe_nodes import Lobes
 
@@ -79,14 +79,15 @@ def kept_share(level: int, sharpness: np.ndarray, gamma: np.ndarray) -> np.ndarr
 
 def pooled_lobes(fabric: Fabric) -> tuple[Lobes, Lobes]:
     """Which lobes of the two yarns are narrow enough to have nodes of their own, and by how much (0..1)."""
-    out = []
-    for yarn in fabric.yarn:
+
+    def lobes(yarn: Yarn) -> Lobes:
         gammas = np.array([yarn.gamma_s_deg, yarn.gamma_v_deg])
         narrow = 1.0 - smoothstep(*NARROW_DEG, gammas.min())
         together = 1.0 - smoothstep(*SAME_NODES_RATIO, gammas.max() / gammas.min())
         shares = np.where(gammas == gammas.min(), narrow, narrow * together)
-        out.append(Lobes(*np.radians(gammas), *shares))
-    return tuple(out)
+        return Lobes(*np.radians(gammas), *shares)
+
+    return lobes(fabric.yarn[0]), lobes(fabric.yarn[1])
 
 
 def pooled_share(schedule: Schedule, sharpness: np.ndarray, lobes: tuple[Lobes, Lobes]) -> np.ndarray:

@@ -103,8 +103,9 @@ class Paper(Method):
         self._index.release()
 
     def _release_weights(self) -> None:
-        for name in ("weight_xi", "weight_o") if self._tables.value else ():
-            self._tables.value[name].release()
+        if (tables := self._tables.value) is not None:
+            tables["weight_xi"].release()
+            tables["weight_o"].release()
 
 
 def _volume(ctx: moderngl.Context, texels: np.ndarray, kind: str) -> moderngl.Texture3D:

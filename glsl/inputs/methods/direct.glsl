@@ -13,11 +13,11 @@ const int NODE_COLUMNS = 64;
 const int ENTRY_TEXELS = 6;
 const float MAP_SIZE = 160.0;
 
-layout(binding = 8) uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean
-layout(binding = 9) uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule, or sun
-layout(binding = 11) uniform sampler2D pooled_light;   // radiance of the pooled Gaussians, world, octahedral
-layout(binding = 12) uniform sampler2D broad_light;    // radiance of the broadest Gaussians, likewise
-layout(binding = 13) uniform sampler2DArray view_table;  // omega_o as a disk; a layer for each direction of broad light
+uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean
+uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule, or sun
+uniform sampler2D pooled_light;   // radiance of the pooled Gaussians, world, octahedral
+uniform sampler2D broad_light;    // radiance of the broadest Gaussians, likewise
+uniform sampler2DArray view_table;  // omega_o as a disk; a layer for each direction of broad light
 uniform ivec2 entry_counts;  // those of several nodes come first; all. The one behind them weighs nothing and is lit everywhere
 uniform ivec2 broad_nodes;   // the first of those directions in node_data, and their number
 
@@ -78,7 +78,7 @@ vec3 node_direction(Entry entry, vec3 node) {
 }
 
 void light_at(vec3 omega_i, float share, float cos_o) {
-    look_along(omega_i);
+    set_omega_i(omega_i);
     Q = gap * cos_o + 1e-20;
     EACH_GROUP(add_P)
     float weight = share / Q;
@@ -136,13 +136,13 @@ vec3 L_broad(vec3 omega_o, mat3 surface_from_world) {
 mat3 world;  // surface_from_world
 vec3 L_pooled;
 
-void take(vec3 omega, vec3 weight) {
+void add_node(vec3 omega, vec3 weight) {
     L_pooled += weight * map_radiance(pooled_light, omega * world) * V_broad(omega);
 }
 #include "inputs/methods/direct_lobes.glsl"
 
 vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
-    see(omega_o);
+    set_omega_o(omega_o);
     world = surface_from_world;
     L_pooled = vec3(0.0);
     POOLED(visit_lobes(omega_o);)

@@ -1,5 +1,5 @@
-// Nodes on the narrow lobes of the tangents, for light that is broad: calls take(omega_i, weight) at each.   [own]
-// The pass that includes this defines `take` before.
+// Nodes on the narrow lobes of the tangents, for light that is broad: calls add_node(omega_i, weight) at each.   [own]
+// The pass that includes this defines `add_node` before.
 #include "direct/pool.glsl"
 #include "inputs/methods/direct_tangents.glsl"
 
@@ -7,7 +7,7 @@
 const int LOBE_COLUMNS = 64;
 const int MAX_PHI_PAIRS = 8;
 
-layout(binding = 10) uniform samplerBuffer lobe_data;  // per pooled tangent: two texels, then rows of LOBE_COLUMNS
+uniform samplerBuffer lobe_data;  // per pooled tangent: two texels, then rows of LOBE_COLUMNS
 uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta, their pairs in phi; at least 1 each
 uniform vec2 phi_rule[MAX_PHI_PAIRS];   // nodes > 0 and weights of a Gauss-Legendre rule on -1..1
 uniform vec2 yarn_F_0;
@@ -72,16 +72,13 @@ void visit_lobes(vec3 omega_o) {
                 Q = gap * omega_o.z + 1e-20;
                 EACH_GROUP(add_P)
                 float psi = max(cosines.x * ca + sines.x * sa, 0.0), g_own = g.x;
-                vec4 cos_phi_d = vec4(cp * phi_o.x + s * phi_o.y, cp * phi_o.x - s * phi_o.y, 0.0, 0.0);
-                vec4 M = D_masks(g_of_cos(cos_phi_d, mask_series), vec4(cp), vec4(max(phi_o.x, 0.0)));
-                vec4 cos_half_phi_d = sqrt(max(0.5 + 0.5 * cos_phi_d, 0.0));
-                vec4 F_r = F_slots(vec4(F_0), vec4(cos_theta_d), cos_half_phi_d);
                 float P_t = mix(psi * psi_o, min(psi, psi_o), g_own);
-                vec2 R = rule.y / cp * P_t * M.xy / vec2(Q_1, Q);
-                vec2 r_s = front * lobe.y * R * F_r.xy * cos_half_phi_d.xy;
-                vec2 r_v = front_v * lobe.z * R * (1.0 - F_r.xy) * (1.0 - F_r.xy);
-                take(omega_1, r_s.x + A * r_v.x);
-                take(omega_2, r_s.y + A * r_v.y);
+                mat3x2 f = scatter_pair(cp, s, phi_o, cos_theta_d, F_0, mask_series);
+                vec2 R = rule.y / cp * P_t * f[0] / vec2(Q_1, Q), F_r = f[1], cos_half_phi_d = f[2];
+                vec2 r_s = front * lobe.y * R * F_r * cos_half_phi_d;
+                vec2 r_v = front_v * lobe.z * R * (1.0 - F_r) * (1.0 - F_r);
+                add_node(omega_1, r_s.x + A * r_v.x);
+                add_node(omega_2, r_s.y + A * r_v.y);
             } while (++pair < pool_counts.z);
         } while (++row < pool_counts.y);
     } while (++p < pool_counts.x);

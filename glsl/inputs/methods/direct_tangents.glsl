@@ -28,16 +28,15 @@ vec4 of_yarn(int g, vec2 yarns) {
     return mix(vec4(yarns.x), vec4(yarns.y), greaterThan(slot_yarn[g], vec4(0.5)));
 }
 
-void see_group(int g, vec3 omega_o) {
+void set_omega_o_group(int g, vec3 omega_o) {
     vec4 along = of_yarn(g, omega_o.xy), across = of_yarn(g, vec2(omega_o.y, -omega_o.x));
-    vec4 t = along * slot_cos_tilt[g] - omega_o.z * slot_sin_tilt[g];
-    vec4 n = along * slot_sin_tilt[g] + omega_o.z * slot_cos_tilt[g];
-    vec4 c2 = max(1.0 - t * t, 1e-7);
+    mat2x4 o = tangent_slots(along, omega_o.z, slot_cos_tilt[g], slot_sin_tilt[g]);
+    vec4 c2 = max(1.0 - o[0] * o[0], 1e-7);
     vec4 inv = inversesqrt(c2);
-    sin_theta_o[g] = t;
+    sin_theta_o[g] = o[0];
     cos_theta_o[g] = c2 * inv;
-    theta_o[g] = twice_atan(t / (1.0 + cos_theta_o[g]));
-    cos_phi_o[g] = n * inv;
+    theta_o[g] = theta_slots(o[0]);
+    cos_phi_o[g] = o[1] * inv;
     sin_phi_o[g] = across * inv;
     cos_psi_t[g] = max(of_yarn(g, cos_psi_o) * slot_cos_tilt[g] + of_yarn(g, sin_psi_o) * slot_sin_tilt[g], 0.0);
 }
@@ -45,7 +44,7 @@ void see_group(int g, vec3 omega_o) {
 // What depends on one direction omega_i and the yarn only.
 vec2 sin_psi_i, cos_psi_i, g_psi;
 
-void look_along(vec3 omega_i) {
+void set_omega_i(vec3 omega_i) {
     vec2 inv = inversesqrt(omega_i.xy * omega_i.xy + omega_i.z * omega_i.z + 1e-20);
     sin_psi_i = omega_i.xy * inv;
     cos_psi_i = omega_i.z * inv;
@@ -88,27 +87,24 @@ void aim_group_at_node(int g) {
     surface[g] = volume[g] = vec4(0.0);
 }
 
-// Adds the terms at one node, but for a factor 8 of the surface term and 4 of the volume term, which `sum_group` knows. No term needs a clamp at its tangent's horizon,
-// where P vanishes.
+// Adds the terms at one node, but for a factor 8 of the surface term and 4 of the volume term, which `sum_group` knows.
 void light_group(int g, vec3 omega_i, float weight) {
     vec4 along = of_yarn(g, omega_i.xy), across = of_yarn(g, vec2(omega_i.y, -omega_i.x));
-    vec4 t = along * slot_cos_tilt[g] - omega_i.z * slot_sin_tilt[g];
-    vec4 n = along * slot_sin_tilt[g] + omega_i.z * slot_cos_tilt[g];
+    mat2x4 i = tangent_slots(along, omega_i.z, slot_cos_tilt[g], slot_sin_tilt[g]);
+    vec4 t = i[0], n = i[1];
     vec4 c2 = max(1.0 - t * t, 1e-7);
     vec4 inv = inversesqrt(c2);
     vec4 cos_theta_i = c2 * inv, cos_phi_i = n * inv;
     vec4 cos_phi_d = (n * cos_phi_o[g] + across * sin_phi_o[g]) * inv;
-    vec4 M = D_masks(g_of_cos(cos_phi_d, mask_series), cos_phi_i, cos_phi_o[g]);
-    vec4 half_cos_half_phi_d = sqrt(max(0.125 + 0.125 * cos_phi_d, 0.0));
-    vec4 cos_sum = cos_theta_i + cos_theta_o[g], sin_sum = t + sin_theta_o[g];
-    vec4 cos2_theta_d_4 = cos_sum * cos_sum + sin_sum * sin_sum;
-    vec4 F_r = F_slots(slot_F_0[g], sqrt(cos2_theta_d_4), half_cos_half_phi_d), F_t = 1.0 - F_r;
+    mat4 f = scatter_slots(t, cos_theta_i, cos_phi_i, cos_phi_d, sin_theta_o[g], cos_theta_o[g], cos_phi_o[g], slot_F_0[g],
+                           mask_series);
+    vec4 cos_sum = cos_theta_i + cos_theta_o[g];
+    vec4 F_r = f[1], F_t = 1.0 - F_r, half_cos_half_phi_d = f[2];
     // 1 / (cos^2(theta_d) (cos theta_i + cos theta_o)); the surface term takes the sum out again.
-    vec4 front = weight * shared_P[g] * M * cos_theta_i / (cos2_theta_d_4 * cos_sum);
-    vec4 theta_i = twice_atan(t / (1.0 + cos_theta_i));
-    vec4 x_s = start_s[g] + slope_s[g] * theta_i, x_v = start_v[g] + slope_v[g] * theta_i;
-    vec4 g_s = exp2(of_yarn(g, entry_height.xy) - x_s * x_s);
-    vec4 g_v = exp2(of_yarn(g, entry_height.zw) - x_v * x_v);
+    vec4 front = weight * shared_P[g] * f[0] * cos_theta_i / (f[3] * cos_sum);
+    vec4 theta_i = theta_slots(t);
+    vec4 g_s = lobe_slots(theta_i, start_s[g], slope_s[g], of_yarn(g, entry_height.xy));
+    vec4 g_v = lobe_slots(theta_i, start_v[g], slope_v[g], of_yarn(g, entry_height.zw));
     surface[g] += front * cos_sum * F_r * half_cos_half_phi_d * g_s;
     volume[g] += front * F_t * F_t * (g_v + slot_k_d[g]);
 }
@@ -127,10 +123,10 @@ vec3 sum_tangents() {
 }
 
 // Begins with one omega_o.
-void see(vec3 omega_o) {
+void set_omega_o(vec3 omega_o) {
     vec2 inv = inversesqrt(omega_o.xy * omega_o.xy + omega_o.z * omega_o.z);
     sin_psi_o = omega_o.xy * inv;
     cos_psi_o = omega_o.z * inv;
-#define SEE(g) see_group(g, omega_o)
-    EACH_GROUP(SEE)
+#define SET_OMEGA_O(g) set_omega_o_group(g, omega_o)
+    EACH_GROUP(SET_OMEGA_O)
 }

@@ -2,16 +2,15 @@
 // by a table over phi and piecewise linear theta segments.   [Miz 8-16]
 // glcloth/methods/paper/method.py fills the textures. Every parameter but the weave is read from the fabric buffer as it is.
 #include "inputs/methods/suns.glsl"
-#include "sg/gaussian.glsl"
 #include "sg/segments.glsl"
-#include "sg/fresnel_sum.glsl"
+#include "sg/tangent_integral.glsl"
 #include "sg/azimuth.glsl"
 #include "sg/coordinates.glsl"
 
-layout(binding = 8) uniform sampler3D azimuth_table;  // T_l / azimuth_mass: phi_o, phi_k, kappa_prime in AZIMUTH_GROUPS
-layout(binding = 9) uniform sampler3D weight_xi;      // left factors of T, 4 ranks a texel: phi_k, theta_k, slices
-layout(binding = 10) uniform sampler3D weight_o;      // right factors: phi_o, theta_o, the same slices
-layout(binding = 11) uniform samplerBuffer weight_index;  // per tangent (shape, signs of theta and phi), then first slices
+uniform sampler3D azimuth_table;  // T_l / azimuth_mass: phi_o, phi_k, kappa_prime in AZIMUTH_GROUPS
+uniform sampler3D weight_xi;      // left factors of T, 4 ranks a texel: phi_k, theta_k, slices
+uniform sampler3D weight_o;      // right factors: phi_o, theta_o, the same slices
+uniform samplerBuffer weight_index;  // per tangent (shape, signs of theta and phi), then first slices
 uniform float grid;        // nodes of each of the tables' angles
 uniform float inner;       // share of the phi_k axis below 90 degrees
 uniform ivec2 tiling;      // slices per column of the 3D textures, and columns
@@ -54,12 +53,8 @@ float fetch_T_W(int shape, vec2 at_xi, vec2 at_o, float level) {
 // [Miz 11-16]; at the ends of the theta range cos^2(theta_i) = 0, so only inner nodes count. Nodes at theta and -theta
 // have the same kappa_prime and share T_l.
 vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
-    vec3 s = g_c_product(k.theta, sharpness, -o.theta, 0.5 / (yarn.gamma_s * yarn.gamma_s));
-    vec3 v = g_c_product(k.theta, sharpness, -o.theta, 0.5 / (yarn.gamma_v * yarn.gamma_v));
-    vec3 mu = vec3(s.x, v.x, k.theta);
-    vec3 sigma = sqrt(2.0 / max(vec3(s.y, v.y, sharpness), vec3(1e-6)));
-    vec3 scale = vec3(s.z / yarn.gamma_s, (1.0 - yarn.k_d) * v.z / yarn.gamma_v, yarn.k_d * sqrt(PI)) / sqrt(PI) * sigma;
-
+    mat3 gaussians = theta_gaussians(k.theta, sharpness, o.theta, yarn.k_d, yarn.gamma_s, yarn.gamma_v);
+    vec3 mu = gaussians[0], sigma = gaussians[1], scale = gaussians[2];
     float width = PI / float(segments);
     vec3 step = width / sigma;
     float F = F_0(yarn.eta);
@@ -104,12 +99,9 @@ vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
         // The middle node of an even number of segments is its own mirror image.
         float count = 2 * node == segments ? 0.5 : 1.0;
         vec2 cos_theta_d = vec2(cos_half * cos_half_o + sin_half * sin_half_o, cos_half * cos_half_o - sin_half * sin_half_o);
-        vec2 common_factor = count * cos_theta * cos_theta / max(cos_theta_d * cos_theta_d, vec2(1e-7));
         float slope = 1.0 / (cos_theta + o.cos_theta);
-        I += common_factor.x * vec2(weight_u.x * surface_sum(F, cos_theta_d.x, T_1, T_5),
-            (weight_u.y + weight_u.z) * slope * volume_sum(F, cos_theta_d.x, T_1, T_5, T_9));
-        I += common_factor.y * vec2(weight_w.x * surface_sum(F, cos_theta_d.y, T_1, T_5),
-            (weight_w.y + weight_w.z) * slope * volume_sum(F, cos_theta_d.y, T_1, T_5, T_9));
+        I += count * node_terms(weight_u, cos_theta, cos_theta_d.x, slope, F, T_1, T_5, T_9);
+        I += count * node_terms(weight_w, cos_theta, cos_theta_d.y, slope, F, T_1, T_5, T_9);
         before_u = here_u;
         before_w = here_w;
         here_u = after_u;
@@ -129,7 +121,7 @@ vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
 vec3 L_tangent(int t, int j, Yarn yarn, vec3 omega_o, mat3 surface_from_world) {
     Tangent tangent = fetch_tangent(t);
     vec3 local_o = tangent_from_surface(omega_o, j, tangent.cos_tilt, tangent.sin_tilt);
-    if (local_o.z <= 0.0) return vec3(0.0);
+    if (local_o.z <= 0.0 || tangent.weight == 0.0) return vec3(0.0);
     Angles o = angles(local_o);
     vec3 placement = texelFetch(weight_index, t).xyz;
     vec2 at_o = vec2(node_coordinate(unit_from_half_circle(placement.z * o.phi), grid),

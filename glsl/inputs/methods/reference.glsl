@@ -2,7 +2,7 @@
 // Each pass adds `direction_count` directions from `first_direction` on; so no invocation nears a loop limit.
 #include "inputs/picture/fabric.glsl"
 
-layout(binding = 8) uniform samplerBuffer direction_data;  // pairs: (omega, -), (radiance x solid angle, -)
+uniform samplerBuffer direction_data;  // pairs: (omega, -), (radiance x solid angle, -)
 uniform int first_direction;
 uniform int direction_count;
 

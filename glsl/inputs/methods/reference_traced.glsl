@@ -4,7 +4,7 @@
 #include "inputs/picture/gbuffer_point.glsl"
 #include "inputs/visibility/along_ray.glsl"
 
-layout(binding = 10) uniform samplerBuffer direction_data;   // pairs: (omega, 1 if a ray decides), (flux, solid angle)
+uniform samplerBuffer direction_data;   // pairs: (omega, 1 if a ray decides), (flux, solid angle)
 uniform int first_direction;
 uniform int direction_count;
 

@@ -1,9 +1,8 @@
 // The fabric of a draw: its buffer, and its reflectance summed over all tangents, exactly.   [Miz 5-6]
-// glcloth/cloth/fabric_buffer.py fills the buffer: two Yarns, then the Tangents of yarn 0 and those of yarn 1.
+// glcloth/gpu/scene_buffers.py fills the buffer: two Yarns, then the Tangents of yarn 0 and those of yarn 1.
 #include "core/shared.glsl"
 #include "fibre/frame.glsl"
-#include "fibre/scatter.glsl"
-#include "fibre/weight.glsl"
+#include "fibre/tangent.glsl"
 
 layout(binding = 0) uniform samplerBuffer fabric_data;
 uniform ivec2 tangent_count;  // of yarn 0 and of yarn 1
@@ -42,12 +41,10 @@ vec3 f_cloth(vec3 omega_i, vec3 omega_o) {
         Tangent tangent = fetch_tangent(t);
         vec3 i = tangent_from_surface(omega_i, j, tangent.cos_tilt, tangent.sin_tilt);
         vec3 o = tangent_from_surface(omega_o, j, tangent.cos_tilt, tangent.sin_tilt);
-        float P_t = P(i, o, sigma_mask);
-        Q += tangent.share * P_t;
-        float R = tangent.weight * M(i, o, sigma_mask) * P_t;
-        vec2 terms = R > 0.0 ? R * length(i.yz) * f_s(i, o, eta, k_d, gamma_s, gamma_v) : vec2(0.0);
-        terms_1 += j == 0 ? terms : vec2(0.0);
-        terms_2 += j == 0 ? vec2(0.0) : terms;
+        vec3 terms = tangent_terms(i, o, tangent.weight, eta, k_d, gamma_s, gamma_v, sigma_mask);
+        Q += tangent.share * terms.x;
+        terms_1 += j == 0 ? terms.yz : vec2(0.0);
+        terms_2 += j == 0 ? vec2(0.0) : terms.yz;
         ++t;
     } while (t < last);
     vec3 sum = terms_1.x + terms_2.x + warp.A * terms_1.y + weft.A * terms_2.y;

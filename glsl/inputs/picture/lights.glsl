@@ -1,5 +1,5 @@
 // The lights of a draw, in world space: spherical Gaussians and suns.   [Miz 7]
-// glcloth/cloth/light_buffer.py fills the buffer: the Gaussians, then from texel 2 * MAX_LOBES on the Suns.
+// glcloth/gpu/scene_buffers.py fills the buffer: the Gaussians, then from texel 2 * MAX_LOBES on the Suns.
 #include "core/shared.glsl"
 
 layout(binding = 1) uniform samplerBuffer light_data;

@@ -3,8 +3,8 @@
 #include "method.glsl"
 
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Directions { vec4 omega_o[]; };
-layout(std430, binding = 1) buffer Results { vec4 result[]; };
+layout(std430) readonly buffer Directions { vec4 omega_o[]; };
+layout(std430) buffer Results { vec4 result[]; };
 uniform int first;
 uniform int count;
 

@@ -5,9 +5,9 @@
 #include "visit.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
-layout(binding = 10) uniform samplerBuffer direction_data;  // pairs: (omega, -), (flux, -)
-layout(binding = 13) uniform samplerBuffer vertex_data;     // three texels a vertex: position and normal, each with a lift; tangent
-layout(std430, binding = 0) buffer Irradiance { vec4 irradiance[]; };  // two a vertex: of the front, of the back
+uniform samplerBuffer direction_data;  // pairs: (omega, -), (flux, -)
+uniform samplerBuffer vertex_data;     // three texels a vertex: position and normal, each with a lift; tangent
+layout(std430) buffer Irradiance { vec4 irradiance[]; };  // two a vertex: of the front, of the back
 uniform int vertex_count;
 uniform int first_direction;
 uniform int direction_count;

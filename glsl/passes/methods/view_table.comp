@@ -24,7 +24,7 @@ void add(vec3 weight, vec4 b_0, vec4 b_1, vec4 b_2, vec4 b_3) {
 
 vec4 basis(vec2 place, int i) { return textureLod(basis_map, vec3(place, float(4 * block + i)), 0.0); }
 
-void take(vec3 omega, vec3 weight) {
+void add_node(vec3 omega, vec3 weight) {
     float size = float(textureSize(basis_map, 0).x);
     vec2 place = 0.5 + (0.5 - 0.5 / size) * to_disk(omega);
     add(weight, basis(place, 0), basis(place, 1), basis(place, 2), basis(place, 3));
@@ -43,7 +43,7 @@ void visit_fixed(float cos_o) {
     int n = 0;
     do {
         vec3 omega = texelFetch(fixed_nodes, n).xyz;
-        look_along(omega);
+        set_omega_i(omega);
         Q = gap * cos_o + 1e-20;
         EACH_GROUP(add_P)
         float weight = 1.0 / Q;
@@ -67,7 +67,7 @@ void main() {
     vec3 omega_o = from_disk(p);
     omega_o = normalize(vec3(omega_o.xy, max(omega_o.z, 1e-3)));
     c_0 = c_1 = c_2 = c_3 = mat4x3(0.0);
-    see(omega_o);
+    set_omega_o(omega_o);
     visit_fixed(omega_o.z);
     visit_lobes(omega_o);
     for (int i = 0; i < 4; ++i) {
