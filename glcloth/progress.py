@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sized
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -66,7 +66,7 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
     On a terminal it is a live bar; elsewhere one line every ten seconds, so that a log still shows life.
     """
     if total is None:
-        total = len(items) if hasattr(items, "__len__") else None
+        total = len(items) if isinstance(items, Sized) else None
     begin = said = time.monotonic()
     terminal = sys.stderr.isatty()
     bar = None

@@ -150,13 +150,13 @@ class GBuffer:
 
     def _draw_band(self, mesh: MeshBuffers, program: Draw, band: tuple[int, int, int, int], numbers) -> None:
         """Draw all triangles, or those of `numbers`, into a band of the frames."""
-        self.frames.scissor = None if numbers is None else band
+        self.frames.scissor = None if numbers is None else band  # type: ignore[assignment]
         self.frames.use()
         self.frames.viewport = (0, 0, *self.size)
         self.frames.clear(0.0, 0.0, 0.0, 0.0, depth=1.0, viewport=None if numbers is None else band)
         if numbers is not None:
             if not len(numbers):
-                self.frames.scissor = None
+                self.frames.scissor = None  # type: ignore[assignment]
                 return
             mesh.choose(numbers)
         layout = [(mesh.vertices.buffer, "3f 1x4 3f 1x4 4f", "in_position", "in_normal", "in_tangent")]
@@ -173,7 +173,7 @@ class GBuffer:
         array.render(vertices=3 * len(mesh.mesh.triangles if numbers is None else numbers))
         array.release()
         self.ctx.enable_only(moderngl.NOTHING)
-        self.frames.scissor = None
+        self.frames.scissor = None  # type: ignore[assignment]
 
     def cut(self, later: GBuffer) -> None:
         """Uncover the pixels that another G-buffer, drawn after this one, covers."""
@@ -229,8 +229,10 @@ class GBuffer:
         # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
         self.ctx.detect_framebuffer(0).use()
         own = [self.color] if self._owns_color else []
-        for thing in (self.frames, self.target, *self._textures.values(), self.depth, *own):
-            thing.release()
+        for framebuffer in (self.frames, self.target):
+            framebuffer.release()
+        for texture in (*self._textures.values(), self.depth, *own):
+            texture.release()
 
 
 def depth_texture(ctx: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:

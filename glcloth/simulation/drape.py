@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -24,7 +25,7 @@ from .cloth import Cloth, ClothParameters, Wind
 from .solids import Box, Sphere
 
 SIZE = 1.6  # m, side of the cloth
-CLOTH = {"mass": 0.15, "stretch": 1e4, "bending": 4e-5, "friction": 0.5}  # falling, and in the wind
+CLOTH: dict[str, Any] = {"mass": 0.15, "stretch": 1e4, "bending": 4e-5, "friction": 0.5}  # falling, and in the wind
 TURN_DEG = 42.0  # of the cloth on the table
 SOLIDS = (Box(*TABLE), Sphere(*BALL))
 CENTER = (0.03, 0.36, 0.2)  # m, of the flat cloth before it falls
