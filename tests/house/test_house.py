@@ -196,3 +196,21 @@ def test_dependencies_are_imported():
         name = re.match(r"[\w\-]+", dependency)[0]
         module = modules.get(name.lower(), name)
         assert re.search(rf"^\s*(import|from) {module}\b", text, re.M), f"{name} is never imported"
+
+
+def test_no_binding_number_stands_anywhere():
+    """Names are bound (glcloth/gpu/programs.py); numbers are given out there."""
+    for path in SHADERS.rglob("*"):
+        if path.is_file():
+            assert not re.search(r"\bbinding\s*=", path.read_text(encoding="utf-8")), path
+    for path in MODULES:
+        text = path.read_text(encoding="utf-8")
+        if path.relative_to(PACKAGE).parts[0] != "gpu":
+            assert not re.search(r"bind_to_storage_buffer|bind_to_image|\.use\(\d|location=\d", text), path
+
+
+def test_the_cpu_reads_buffers_through_a_copy():
+    """A buffer that the CPU reads itself moves into the CPU's memory on NVIDIA (glcloth/gpu/buffers.py)."""
+    for path in MODULES:
+        if path.relative_to(PACKAGE).as_posix() != "gpu/buffers.py":
+            assert not re.search(r"\.buffer\.read\(|ctx\.buffer\(", path.read_text(encoding="utf-8")), path

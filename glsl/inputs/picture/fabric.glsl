@@ -4,7 +4,7 @@
 #include "fibre/frame.glsl"
 #include "fibre/tangent.glsl"
 
-layout(binding = 0) uniform samplerBuffer fabric_data;
+uniform samplerBuffer fabric_data;
 uniform ivec2 tangent_count;  // of yarn 0 and of yarn 1
 uniform float sigma_mask;     // width of shadowing and masking, radians
 uniform float gap;            // 1 - a_1 - a_2 in W's normaliser

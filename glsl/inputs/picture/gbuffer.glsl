@@ -1,6 +1,6 @@
 // Reading the G-buffer that passes/picture/surface.frag fills, and the rays of the camera.
-layout(binding = 3) uniform sampler2D frame_N;
-layout(binding = 4) uniform sampler2D frame_x;
+uniform sampler2D frame_N;
+uniform sampler2D frame_x;
 uniform mat3 ray_from_pixel;  // direction from the eye = ray_from_pixel * (pixel centre x, y from below, 1), not unit
 
 // The rows x, y, N.

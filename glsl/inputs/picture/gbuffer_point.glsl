@@ -1,6 +1,6 @@
 // Reading from the G-buffer where on which triangle a pixel lies; passes/picture/surface.frag fills it.
-layout(binding = 6) uniform sampler2D frame_p;
-layout(binding = 7) uniform sampler2D frame_b;
+uniform sampler2D frame_p;
+uniform sampler2D frame_b;
 
 // Where rays of this pixel start, world space: on the curved surface that the smooth normals tell of, so that no ray
 // above the smooth horizon meets the flat triangles next to it.   [Hanika 2021]

@@ -2,7 +2,7 @@
 // glcloth/gpu/scene_buffers.py fills the buffer: the Gaussians, then from texel 2 * MAX_LOBES on the Suns.
 #include "core/shared.glsl"
 
-layout(binding = 1) uniform samplerBuffer light_data;
+uniform samplerBuffer light_data;
 uniform int gaussian_count;
 uniform int sun_count;
 

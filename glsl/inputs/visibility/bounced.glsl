@@ -1,9 +1,9 @@
 // What a ray that met something brings back: a Lambertian's light, from the irradiance at the vertices about the hit.
 // Needs struct Visit from the pass that includes it; SEVERAL_SURFACES where there is more to meet than cloth.
 #include "core/math.glsl"
-layout(binding = 11) uniform samplerBuffer irradiance_data;  // two a vertex: of the front, of the back
-layout(binding = 12) uniform isamplerBuffer corner_index;    // three a triangle, in the order that hits are weighted in
-layout(binding = 13) uniform samplerBuffer vertex_data;      // three texels a vertex: position, normal, tangent
+uniform samplerBuffer irradiance_data;  // two a vertex: of the front, of the back
+uniform isamplerBuffer corner_index;    // three a triangle, in the order that hits are weighted in
+uniform samplerBuffer vertex_data;      // three texels a vertex: position, normal, tangent
 uniform int cloth_triangles;     // triangles from here on are no cloth
 uniform vec3 radiance_per_irradiance;  // diffuse albedo / pi; 0: no bounce
 #ifdef SEVERAL_SURFACES

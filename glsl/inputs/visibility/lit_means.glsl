@@ -2,8 +2,8 @@
 // and paper.
 #include "inputs/picture/lights.glsl"
 #include "inputs/visibility/irradiance_table.glsl"
-layout(binding = 2) uniform sampler2DArray seen;       // four values a texel: V_0, V_1 .. V_K, then the suns'
-layout(binding = 15) uniform sampler2DArray bounced_light;  // passes/visibility/bounce_pixels.comp
+uniform sampler2DArray seen;       // four values a texel: V_0, V_1 .. V_K, then the suns'
+uniform sampler2DArray bounced_light;  // passes/visibility/bounce_pixels.comp
 uniform bool everything;  // nothing is hidden
 uniform bool bounces;
 uniform int sun_number;   // of the first sun's value

@@ -1,7 +1,7 @@
 // Irradiance as the sum over every direction of a cube map and the suns: "lit.glsl" of method reference.
 // Each pass adds `direction_count` directions from `first_direction` on.
 #include "along.glsl"
-layout(binding = 10) uniform samplerBuffer direction_data;   // pairs: (omega, 1 if a ray decides), (flux, solid angle)
+uniform samplerBuffer direction_data;   // pairs: (omega, 1 if a ray decides), (flux, solid angle)
 uniform int first_direction;
 uniform int direction_count;
 

@@ -1,7 +1,7 @@
 // What a pixel sees of each light, four values a texel. Numbered through they are V_0, V_1 .. V_K, the top of the broad
 // light, then from a whole texel on the rest of it (four of the low band, four of the middle one), then the suns.
 #include "trace/visibility.glsl"
-layout(binding = 2) uniform sampler2DArray seen;  // passes/visibility/pixels.comp
+uniform sampler2DArray seen;  // passes/visibility/pixels.comp
 uniform int top_number;
 uniform int broad_number;  // of the low band's first, a multiple of 4
 uniform int sun_number;    // of the first sun, likewise

@@ -4,8 +4,8 @@
 #include "core/math.glsl"
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/visibility/seen_layers.glsl"
-layout(binding = 15) uniform sampler2DArray bounced_light;  // passes/visibility/bounce_pixels.comp
-layout(binding = 14) uniform sampler2DArray views;          // passes/methods/furnace_views.comp
+uniform sampler2DArray bounced_light;  // passes/visibility/bounce_pixels.comp
+uniform sampler2DArray views;          // passes/methods/furnace_views.comp
 uniform bool over_ground;
 const float HORIZON = 0.4;  // of the sine of the height: so softly the few directions of a lobe pass from hidden to seen,
                             // where the horizon of the world goes through the hemisphere

@@ -2,8 +2,8 @@
 // Fills the picture from every second pixel of every second row, and lists the pixels where that is not good enough.   [own]
 #include "inputs/picture/gbuffer.glsl"
 layout(early_fragment_tests) in;  // a shader that writes to a buffer is tested late otherwise
-layout(binding = 5) uniform sampler2D coarse;
-layout(std430, binding = 0) buffer Pixels {
+uniform sampler2D coarse;
+layout(std430) buffer Pixels {
     uvec3 groups;  // of 64 pixels, for the dispatch of passes/picture/shade_list.comp
     uint count;
     uint pixels[];  // x + 65536 y

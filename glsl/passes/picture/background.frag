@@ -1,7 +1,7 @@
 #version 430
 // The environment behind the cloth: an equirectangular map, +Y up, as glcloth/light/equirect.py maps directions.
 #include "core/equirect.glsl"
-layout(binding = 5) uniform sampler2D environment_map;
+uniform sampler2D environment_map;
 uniform mat3 ray_from_pixel;
 uniform mat3 environment_from_world;
 out vec4 color;

@@ -5,13 +5,13 @@
 #include "inputs/picture/gbuffer.glsl"
 
 layout(local_size_x = 64) in;
-layout(std430, binding = 0) readonly buffer Pixels {
+layout(std430) readonly buffer Pixels {
     uvec3 groups;  // of 64 pixels: the arguments of this dispatch
     uint count;
     uint pixels[];  // x + 65536 y
 };
 uniform uint first;  // where in the list this dispatch begins
-layout(rgba32f, binding = 0) writeonly uniform image2D color;
+layout(rgba32f) writeonly uniform image2D color;
 
 void main() {
     uint i = first + gl_GlobalInvocationID.x;
