@@ -17,6 +17,7 @@ demo: $(VENV)/.installed
 test: $(VENV)/.tests
 	$(RUN)ruff check .
 	$(RUN)ruff format --check .
+	$(RUN)mypy
 	$(RUN)pytest -m "not slow"
 
 tools:

@@ -51,8 +51,7 @@ class AdaptiveRate:
         cover = programs(self.ctx).screen("passes/picture/adaptive_cover.frag")
         draw_screen(cover, self._coarse, buffer.inputs(), depth="written", pixel_stride=2)
         # A coarse row has half the pixels of a row.
-        half = pace if pace.rows is None else Pace(lambda: 2 * pace.rows())
-        for band in half.bands(self._coarse.height):
+        for band in pace.bands(self._coarse.height, 2):
             draw_screen(
                 program, self._coarse, inputs(), buffer.inputs(), depth="covered", rows=band,
                 pixel_stride=2, pass_weight=1.0, pass_cover=1.0,

@@ -15,7 +15,6 @@ from ..gpu.programs import Compute, Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
 from ..methods.method import Method
 from ..methods.registry import make_method
-from ..settings import MethodName
 from ..visibility.hit_vertices import HitSurface
 from ..visibility.pixels import SEEN_ALL, PixelView
 from ..visibility.probes import lift_off_facets, subdivided
@@ -38,7 +37,7 @@ class ClothSurface(Surface):
         self._finer: Last[Mesh] = Last()
         self.adaptive_rate: AdaptiveRate | None = None
 
-    def named_method(self, name: MethodName) -> Method:
+    def named_method(self, name: str) -> Method:
         """The method of a name, made at first use. Raises InputError for an unknown one."""
         if name not in self.methods:
             self.methods[name] = make_method(self.ctx, name)

@@ -98,24 +98,19 @@ class Frames:
         scene = scene.changed(**changes) if changes else scene
         if scene.curtain is not None:
             raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")
-        if not cloths:
-            mesh = mesh if isinstance(mesh, Mesh) else self._loaded(load_mesh, mesh or scene.mesh)
-            cloths = (Cloth(mesh, load_fabric(scene.fabric if fabric is None else fabric)),)
-        if not isinstance(environment, Environment):
-            environment = self.environment(environment or scene.env)
-        if lights is None:
-            lights = self._lights(scene, environment)
+        cloths = tuple(cloths) or (self._cloth(scene, mesh, fabric),)
+        environment = self.environment(environment or scene.env)
+        lights = self._lights(scene, environment) if lights is None else as_lights(lights)
         first = cloths[0].mesh
         objects = self._arranged(scene, first) if objects is None else objects
-        return Frame(
-            scene,
-            tuple(cloths),
-            environment,
-            as_lights(lights),
-            camera or default_camera(first, scene),
-            _settings(scene, environment),
-            None if objects is None or objects.empty else objects,
-        )
+        objects = None if objects is None or objects.empty else objects
+        camera = camera or default_camera(first, scene)
+        return Frame(scene, cloths, environment, lights, camera, _settings(scene, environment), objects)
+
+    def _cloth(self, scene: Scene, mesh: Mesh | str | None, fabric: Fabric | str | None) -> Cloth:
+        """The cloth of a scene, or one with another mesh or fabric."""
+        mesh = mesh if isinstance(mesh, Mesh) else self._loaded(load_mesh, mesh or scene.mesh)
+        return Cloth(mesh, load_fabric(scene.fabric if fabric is None else fabric))
 
     def _lights(self, scene: Scene, environment: Environment) -> Lights:
         """The lights of a scene, turned with its environment."""
@@ -137,9 +132,9 @@ class Frames:
         look = scene.ground, scene.ground_color
         return self._objects.get(lambda: arrange(solids, *look, mesh), self._first_pose, solids, look)
 
-    def environment(self, name: str) -> Environment:
-        """The environment of a name or file."""
-        return self._loaded(load_environment, name)
+    def environment(self, name: str | Environment) -> Environment:
+        """The environment of a name or file; an Environment is itself."""
+        return name if isinstance(name, Environment) else self._loaded(load_environment, name)
 
     def fabric(self, name: str | Fabric) -> Fabric:
         """The fabric of a name or file; a Fabric is itself."""

@@ -30,14 +30,14 @@ class Pace:
     preview: bool = False
     announce: str | None = None
 
-    def bands(self, height: int) -> Iterator[tuple[int, int] | None]:
-        """(first row, how many) of each part of a picture; None, once, for all of it."""
+    def bands(self, height: int, factor: int = 1) -> Iterator[tuple[int, int] | None]:
+        """(first row, how many) of each part of a picture, `factor` times as many as `rows` says; None, once, for all."""
         if self.rows is None:
             yield None
             return
         first = 0
         while first < height:
-            count = max(1, min(self.rows(), height - first))
+            count = max(1, min(factor * self.rows(), height - first))
             yield first, count
             first += count
 

@@ -100,7 +100,7 @@ class Solids(Surface):
         corners, colors = self.mesh.triangles, self.triangle_reflectances()[: len(self.mesh.triangles)]
         rows = np.zeros((len(self.mesh.positions), 4))
         for k in range(3):
-            np.add.at(rows, corners[:, k], colors + np.float32([0, 0, 0, 1]))
+            np.add.at(rows, corners[:, k], colors + np.array([0, 0, 0, 1], "f4"))
         return (rows / np.maximum(rows[:, 3:], 1.0)).astype("f4")
 
     def depth_range(self, camera: Camera) -> tuple[float, float]:

@@ -19,6 +19,7 @@ from ..light.environment import rotation_y
 from ..methods import registry
 from ..picture.frame import Frame, default_camera
 from ..picture.renderer import Renderer
+from ..picture.warm_up import warm_up
 from ..scene import Scene
 from ..visibility.vertices import FEWEST
 from .clock import now, timed
@@ -102,7 +103,7 @@ class Refiner(Slices):
     def warm_up(self) -> None:
         """Compile one such thing."""
         if self._warming is None:
-            self._warming = self.renderer.warm_up(self.frames[0])
+            self._warming = warm_up(self.renderer, self.frames[0])
         self._cold = next(self._warming, self) is not self
 
     def try_out(self, frames: list[Frame]) -> None:

@@ -13,6 +13,7 @@ from glcloth.gpu.programs import programs
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.methods.direct import broad_nodes, gaussian_nodes, lobe_nodes, schedule
 from glcloth.methods.direct.gauss import nodes_and_weights, recurrence
+from glcloth.picture.warm_up import warm_up
 from glcloth.settings import Settings
 from glcloth.twins import cloth, quadrature
 from glcloth.twins.node import column_of, column_width
@@ -347,7 +348,7 @@ def test_dragging_the_fabric_crosses_no_threshold(renderer, field):
 
 def test_after_a_warm_up_no_weave_of_up_to_eight_tangents_compiles(renderer):
     frame = renderer.prepare(size=(32, 24))
-    for _ in renderer.warm_up(frame):
+    for _ in warm_up(renderer, frame):
         pass
     compiled = len(programs(renderer.ctx))
     vertices = renderer.stage.cloths[0].visibility.vertices
