@@ -42,7 +42,7 @@ def about(
 class Value(BaseModel):
     """A frozen value that is edited by making another one. Its title names it in errors."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     @classmethod
     def parse(cls, data: dict, where: str = "") -> Self:
@@ -86,6 +86,12 @@ class Entry:
     file: bool
     slider: tuple[float, float] | None
     log: bool
+
+    @property
+    def label(self) -> str:
+        """The name for people; a last single letter is a subscript, as in gamma_s."""
+        name = self.name.removesuffix("_deg")
+        return name if name[-2:-1] == "_" else name.replace("_", " ")
 
     @property
     def method(self) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import math
 import shlex
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -25,11 +26,13 @@ if TYPE_CHECKING:
 
 SCENES = PACKAGE / "scenes"
 Kind = Literal["cloth", "curtain"]
-Number = Annotated[float, Field(allow_inf_nan=False)]
-Vec3 = tuple[Number, Number, Number]
+Vec3 = tuple[float, float, float]
 Share = Annotated[float, Field(ge=0, le=1)]
 # What a curtain begins with where its scene does not say: it is traced in a room, before a sky.
 CURTAIN = {"fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (640, 640), "method": "trace"}
+option = partial(about, option=True)
+cloth, curtain = partial(option, of="cloth"), partial(option, of="curtain")
+direct, paper, reference = (partial(option, of=method) for method in ("direct", "paper", "reference"))
 KINDS = {"cloth": "cloth under an environment", "curtain": "the curtain"}
 
 
@@ -54,38 +57,32 @@ class CurtainParameters(Value):
 
     model_config = ConfigDict(title="curtain")
 
+    # fmt: off
     width: float = about("m", "length of the rail", default=2.5, gt=0)
     top: float = about("m", "height of the rail", default=2.41)
-    clearance: float = about(
-        "m", "from the window to the backs of the folds", default=0.06, gt=0, allow_inf_nan=False, slider=(0.02, 0.5)
-    )
-    drop: float = about("m", "length of the cloth", default=2.3, gt=0, allow_inf_nan=False, slider=(0.5, 2.4))
-    fullness: float = about(
-        "", "width of the cloth over that of the rail", default=1.8, ge=1, le=4, slider=(1.0, 3.0), option=True
-    )
+    clearance: float = about("m", "from the window to the backs of the folds", default=0.06, gt=0, slider=(0.02, 0.5))
+    drop: float = about("m", "length of the cloth", default=2.3, gt=0, slider=(0.5, 2.4))
+    fullness: float = option("", "width of the cloth over that of the rail", default=1.8, ge=1, le=4, slider=(1.0, 3.0))
     pleats: int = about("", "folds along the rail, at least six quads each", default=13, ge=1, slider=(3, 24))
     irregularity: float = about("", "how unequal the folds are", default=0.2, ge=0, le=1)
     quads: tuple[int, int] = about("", "cells of the grid along the rail and down the cloth", default=(158, 40))
     heading: Literal["tape", "rings"] = about(
-        "", "tape holds the whole upper edge, rings the front of each fold", default="tape"
-    )
+        "", "tape holds the whole upper edge, rings the front of each fold", default="tape")
     mass: float = about("kg/m\u00b2", "of the cloth; sheers 0.03 to 0.1", default=0.06, gt=0, slider=(0.02, 0.6))
     stretch: float = about(
-        "N/m", "how stiff the threads are along themselves", default=3000.0, gt=0, slider=(200.0, 20000.0), log=True
-    )
+        "N/m", "how stiff the threads are along themselves", default=3000.0, gt=0, slider=(200.0, 20000.0), log=True)
     shear: float = about("N/m", "how stiff the weave is on the bias", default=15.0, slider=(0.0, 200.0))
     bending: float = about("N m", "how stiff the cloth is to bend", default=3e-5, slider=(1e-6, 1e-3), log=True)
     hem: float = about("", "how much heavier the lowest row is", default=2.0, gt=0, slider=(1.0, 20.0))
-    wind: float = about(
-        "m/s", "wind into the room, perpendicular to the window; animate: along the built-in cloth", default=0.5,
-        ge=-20, le=20, slider=(-3.0, 3.0), option=True,
-    )  # fmt: skip
+    wind: float = option(
+        "m/s", "wind into the room, perpendicular to the window; animate: along the built-in cloth", default=0.5, ge=-20,
+        le=20, slider=(-3.0, 3.0))
     gustiness: float = about("", "share of the wind that comes and goes", default=1.0, ge=0, le=1)
     openness: float = about(
-        "", "share of the cloth that lets air through, if its fabric does not say", default=0.35, ge=0, le=1
-    )
+        "", "share of the cloth that lets air through, if its fabric does not say", default=0.35, ge=0, le=1)
     damping: float = about("1/s", "how fast motion dies away", default=0.6, slider=(0.0, 4.0))
     settle: float = about("s", "without wind before the first frame", default=1.5, ge=0, le=60, slider=(0.0, 5.0))
+    # fmt: on
 
     @model_validator(mode="after")
     def _folds_on_the_grid(self):
@@ -121,134 +118,65 @@ class Scene(Value):
 
     model_config = ConfigDict(title="scene")
 
-    fabric: str | Fabric = about(
-        "", "built-in fabric or a .toml file", default="silk_crepe_de_chine", option=True, file=True
-    )
-    mesh: str = about(
-        "", "built-in mesh or a file (.obj .ply .glb .gltf)", default="drape", of="cloth", option=True, file=True
-    )
-    objects: tuple[str, ...] = about(
-        "", "mesh that stands by the cloth, matt, in its own colours; repeatable", default=(), of="cloth",
-        option="--object", file=True,
-    )  # fmt: skip
-    ground: float | Literal["off", "auto"] = about(
-        "m",
-        "height of a ground; alone or auto: just under the lowest point; or off",
-        default="off",
-        of="cloth",
-        option=True,
-    )
-    ground_color: tuple[Share, Share, Share] = about(
-        "linear Rec. 709", "what the ground reflects, R,G,B", default=(0.3, 0.3, 0.3), of="cloth", option=True
-    )
-    env: str = about(
-        "", "built-in environment or an equirectangular .hdr or .exr file", default="studio", option=True, file=True
-    )
-    env_rotate: float = about(
+    # fmt: off
+    fabric: str | Fabric = option("", "built-in fabric or a .toml file", default="silk_crepe_de_chine", file=True)
+    mesh: str = cloth("", "built-in mesh or a file (.obj .ply .glb .gltf)", default="drape", file=True)
+    objects: tuple[str, ...] = cloth(
+        "", "mesh that stands by the cloth, matt, in its own colours; repeatable", default=(), option="--object", file=True)
+    ground: float | Literal["off", "auto"] = cloth(
+        "m", "height of a ground; alone or auto: just under the lowest point; or off", default="off")
+    ground_color: tuple[Share, Share, Share] = cloth(
+        "linear Rec. 709", "what the ground reflects, R,G,B", default=(0.3, 0.3, 0.3))
+    env: str = option("", "built-in environment or an equirectangular .hdr or .exr file", default="studio", file=True)
+    env_rotate: float = option(
         "degrees", "turn the environment about +Y; in the window, drag with the right button", default=0.0,
-        allow_inf_nan=False, slider=(-180.0, 180.0), option=True,
-    )  # fmt: skip
-    lobes: int | Literal["auto"] = about(
-        "", "spherical Gaussians fitted to the environment, 1 to 64, or auto", default=10, of="cloth", slider=(1, 64),
-        option=True,
-    )  # fmt: skip
-    lights: str = about(
-        "", "file of lights (.json, .toml) instead of a fit; `glcloth env` writes one", default="", of="cloth",
-        option=True, file=True,
-    )  # fmt: skip
-    method: Literal["direct", "paper", "reference", "trace"] = about(
-        "", "how light on the cloth is summed; the curtain is traced", default="direct", option=True
-    )
-    quality: Literal["draft", "normal", "high"] = about(
-        "",
-        "nodes per light: draft is fastest, high is closest to the reference",
-        default="normal",
-        of="direct",
-        option=True,
-    )
-    adaptive: bool = about(
-        "", "shade one pixel in four where neighbours are alike; small pictures in the window always do", default=False,
-        of="direct", option=True,
-    )  # fmt: skip
-    light: Literal["sg", "map"] = about(
-        "", "the fitted lights, or the map itself", default="sg", of="reference", option=True
-    )
-    shadows: Literal["off", "sun", "full"] = about(
-        "",
-        "what the cloth hides from itself: nothing, the suns, or all the light",
-        default="full",
-        of="cloth",
-        option=True,
-    )
-    bounce: bool = about("", "light from fold to fold, once (with shadows full)", default=True, of="cloth", option=True)
-    segments: int = about(
-        "", "theta segments per Gaussian; the paper has 6", default=6, ge=2, le=64, of="paper", option=True
-    )
-    cube: int = about(
-        "texels",
-        "edge of the cube map whose directions are summed",
-        default=32,
-        ge=4,
-        le=128,
-        of="reference",
-        option=True,
-    )
-    grid: int = about(
-        "",
-        "directions per axis of the tables; a change makes new ones",
-        default=48,
-        ge=8,
-        le=96,
-        of="paper",
-        option=True,
-    )
-    contribution: float = about(
-        "", "share of the singular values that tables keep; a change makes new ones", default=0.9, ge=0.5, le=0.9999,
-        of="paper", option=True,
-    )  # fmt: skip
-    spp: int = about("", "samples per pixel of a whole picture", default=1, ge=1, le=4096, slider=(1, 64), option=True)
-    size: tuple[int, int] = about("pixels", "WIDTHxHEIGHT", default=(640, 480), option=True)
-    exposure: float = about(
+        slider=(-180.0, 180.0))
+    lobes: int | Literal["auto"] = cloth(
+        "", "spherical Gaussians fitted to the environment, 1 to 64, or auto", default=10, slider=(1, 64))
+    lights: str = cloth(
+        "", "file of lights (.json, .toml) instead of a fit; `glcloth env` writes one", default="", file=True)
+    method: Literal["direct", "paper", "reference", "trace"] = option(
+        "", "how light on the cloth is summed; the curtain is traced", default="direct")
+    quality: Literal["draft", "normal", "high"] = direct(
+        "", "nodes per light: draft is fastest, high is closest to the reference", default="normal")
+    adaptive: bool = direct(
+        "", "shade one pixel in four where neighbours are alike; small pictures in the window always do", default=False)
+    light: Literal["sg", "map"] = reference("", "the fitted lights, or the map itself", default="sg")
+    shadows: Literal["off", "sun", "full"] = cloth(
+        "", "what the cloth hides from itself: nothing, the suns, or all the light", default="full")
+    bounce: bool = cloth("", "light from fold to fold, once (with shadows full)", default=True)
+    segments: int = paper("", "theta segments per Gaussian; the paper has 6", default=6, ge=2, le=64)
+    cube: int = reference("texels", "edge of the cube map whose directions are summed", default=32, ge=4, le=128)
+    grid: int = paper("", "directions per axis of the tables; a change makes new ones", default=48, ge=8, le=96)
+    contribution: float = paper(
+        "", "share of the singular values that tables keep; a change makes new ones", default=0.9, ge=0.5, le=0.9999)
+    spp: int = option("", "samples per pixel of a whole picture", default=1, ge=1, le=4096, slider=(1, 64))
+    size: tuple[int, int] = option("pixels", "WIDTHxHEIGHT", default=(640, 480))
+    exposure: float = option(
         "stops", "brightness on screen and in PNG files; EXR files keep the light itself", default=0.0, ge=-20, le=20,
-        slider=(-8.0, 8.0), option=True,
-    )  # fmt: skip
-    view_transform: Literal["standard", "filmic", "neutral", "agx"] = about(
-        "", "from light to the screen and PNG files", default="standard", option=True
-    )
-    background: bool = about("", "show the environment behind the cloth", default=True, of="cloth", option=True)
-    accelerator: Literal["kdtree", "lbvh", "brute"] = about(
-        "", "what rays are traced through; all give the same picture", default="kdtree", of="curtain", option=True
-    )
-    depth: int = about(
-        "",
-        "generations of rays: through the cloth and mirrored by it",
-        default=4,
-        ge=1,
-        le=8,
-        of="curtain",
-        option=True,
-    )
-    room: str = about("", "OBJ file of the room; none: built in", default="", of="curtain", option=True, file=True)
-    spread: bool = about(
-        "", "blur what is seen through the yarns; needs many samples per pixel", default=False, of="curtain"
-    )
-    cutoff: float = about("", "share of the light below which a ray ends", default=1e-3, ge=0, lt=1, of="curtain")
-    lamp_position: Vec3 = about(
-        "m", "the lamp outside the window, x y z; +y up, the window at z = 0", default=(1.6, 3.6, -5.0), of="curtain",
-        slider=(-12.0, 12.0),
-    )  # fmt: skip
-    lamp_intensity: Vec3 = about(
-        "W/sr", "of the lamp, red green blue", default=(190.0, 176.0, 150.0), of="curtain", slider=(0.0, 1000.0)
-    )
-    ambient: Vec3 = about(
-        "", "even light in the room, red green blue", default=(0.3, 0.3, 0.31), of="curtain", slider=(0.0, 2.0)
-    )
-    rate: int = about("1/s", "frames per second", default=24, ge=1, le=240, of="curtain")
-    frame: int = about("", "frame of the moving curtain", default=48, ge=0, le=100_000, of="curtain")
+        slider=(-8.0, 8.0))
+    view_transform: Literal["standard", "filmic", "neutral", "agx"] = option(
+        "", "from light to the screen and PNG files", default="standard")
+    background: bool = cloth("", "show the environment behind the cloth", default=True)
+    accelerator: Literal["kdtree", "lbvh", "brute"] = curtain(
+        "", "what rays are traced through; all give the same picture", default="kdtree")
+    depth: int = curtain("", "generations of rays: through the cloth and mirrored by it", default=4, ge=1, le=8)
+    room: str = curtain("", "OBJ file of the room; none: built in", default="", file=True)
+    spread: bool = curtain(
+        "", "blur what is seen through the yarns; needs many samples per pixel", default=False, option=False)
+    cutoff: float = curtain("", "share of the light below which a ray ends", default=1e-3, ge=0, lt=1, option=False)
+    lamp_position: Vec3 = curtain(
+        "m", "the lamp outside the window, x y z; +y up, the window at z = 0", default=(1.6, 3.6, -5.0), slider=(-12.0, 12.0),
+        option=False)
+    lamp_intensity: Vec3 = curtain(
+        "W/sr", "of the lamp, red green blue", default=(190.0, 176.0, 150.0), slider=(0.0, 1000.0), option=False)
+    ambient: Vec3 = curtain(
+        "", "even light in the room, red green blue", default=(0.3, 0.3, 0.31), slider=(0.0, 2.0), option=False)
+    rate: int = curtain("1/s", "frames per second", default=24, ge=1, le=240, option=False)
+    frame: int = curtain("", "frame of the moving curtain", default=48, ge=0, le=100_000, option=False)
     camera: View = about("", "the camera, a table", default_factory=View)
-    curtain: CurtainParameters | None = about(
-        "", "the curtain, a table; with it the scene is the curtain", default=None
-    )
+    curtain: CurtainParameters | None = about("", "the curtain, a table; with it the scene is the curtain", default=None)
+    # fmt: on
 
     @model_validator(mode="before")
     @classmethod

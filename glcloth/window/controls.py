@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 from ..fields import Entry, Value, entries
 from ..scene import CurtainParameters, Scene
@@ -21,53 +21,18 @@ METHOD_FIELDS = {
 }
 
 
-@dataclass(frozen=True)
-class Control:
-    """One control.
-
-    Parameters
-    ----------
-    name : the field; label : the same for people
-    kind : "float", "int", "color" (three shares), "triple", "choice", "bool", "text" or "curve"
-    low, high : range of the values; None where the field has no limit
-    choices : for "choice"
-    log : values of very different size, on a logarithmic scale
-    """
-
-    name: str
-    label: str
-    kind: str
-    unit: str
-    help: str
-    low: float | None = None
-    high: float | None = None
-    choices: tuple[str, ...] = ()
-    log: bool = False
+Control = Entry  # its limits are the slider's ends
 
 
 def controls(model: type[Value], names: tuple[str, ...] | None = None) -> list[Control]:
     """The controls of a model's fields (all, or those named), in their order; models inside it have their own."""
-    return [_control(model, entry) for entry in entries(model, names) if _kind(entry) in KINDS]
-
-
-def _control(model: type[Value], entry: Entry) -> Control:
-    label = entry.name.removesuffix("_deg")
-    low, high = entry.slider or (entry.low, entry.high)
-    return Control(
-        entry.name,
-        label.replace("_", " ") if model is Scene else label,
-        _kind(entry),
-        entry.unit,
-        entry.help,
-        low,
-        high,
-        entry.choices,
-        entry.log,
-    )
-
-
-def _kind(entry: Entry) -> str:
-    return "curve" if entry.name in CURVE else entry.kind
+    out = []
+    for entry in entries(model, names):
+        low, high = entry.slider or (entry.low, entry.high)
+        control = replace(entry, low=low, high=high, kind="curve" if entry.name in CURVE else entry.kind)
+        if control.kind in KINDS:
+            out.append(control)
+    return out
 
 
 def scene_controls(method: str) -> list[Control]:
