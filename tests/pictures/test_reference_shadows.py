@@ -175,7 +175,7 @@ def test_a_bounce_between_two_parallel_sheets(renderer):
     lights = Lights(SphericalGaussians([[0, 0, 1]], [0.0], [[1.0, 1.0, 1.0]]))
     lambertian = LambertianReference(renderer.ctx, [albedo] * 3)
     kept = renderer.method("reference")
-    renderer.stage.cloths[0]._methods["reference"] = lambertian
+    renderer.stage.cloths[0].methods["reference"] = lambertian
     try:
         camera = Camera((0.0, -0.9, 0.6), (0.0, 0.0, 0.0), fov_deg=1.0)
         scene = dict(mesh=mesh, lights=lights, camera=camera, method="reference", cube=64, size=(1, 1))
@@ -184,7 +184,7 @@ def test_a_bounce_between_two_parallel_sheets(renderer):
             for shadows, bounce in (("off", False), ("full", False), ("full", True))
         ]
     finally:
-        renderer.stage.cloths[0]._methods["reference"] = kept
+        renderer.stage.cloths[0].methods["reference"] = kept
     # At the middle of the lower sheet: by the integral over the upper one, and for its points the same over the lower.
     x = (np.arange(80) + 0.5) / 80 - 0.5
     X, Y = np.meshgrid(x * s, x * s)
