@@ -54,6 +54,12 @@ def test_a_curtain_begins_with_its_own():
     assert "mesh" not in CURTAIN.model_dump() and "depth" not in Scene().model_dump()
 
 
+def test_a_file_holds_a_frame_only_where_the_scene_says_one(tmp_path):
+    for scene, said in ((load_scene("curtain"), False), (CURTAIN, True)):
+        save_scene(tmp_path / "a.toml", scene)
+        assert ("frame" in load_scene(tmp_path / "a.toml").model_fields_set) == said
+
+
 def test_pictures_of_before_render_as_they_did(tmp_path):
     """Headers as glcloth wrote them when the curtain was a scene of another kind."""
     old = {name: value for name, value in CURTAIN.model_dump(mode="json").items() if name not in ("frame", "method")}
