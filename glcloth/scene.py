@@ -1,7 +1,7 @@
 """A scene: everything that determines a picture, as one frozen value that files, pictures and doors share.
 
 What a field says of itself (`about`) is what errors, the window's controls, options of the command line and
-docs/scene.md say of it; after a change `python -m glcloth.generate` writes the last two.
+docs/scene.md say of it; after a change `python -m glcloth.cli.generate` writes the last two.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Options that are fields of a scene. Made from these by `python -m glcloth.generate`: do not edit."""
+"""Options that are fields of a scene. Made from these by `python -m glcloth.cli.generate`: do not edit."""
 
 # fmt: off
 # ruff: noqa: E501

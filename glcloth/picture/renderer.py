@@ -216,8 +216,7 @@ class Renderer:
                 surface.shade(buffer, view, number, weight, add, band)
             if add or band is not None:
                 self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard between passes
-            last = band is None or sum(band) >= target.size[1]
-            yield last
+            yield band is None or sum(band) >= target.size[1]
         if not in_bands:
             yield True
 
@@ -247,7 +246,7 @@ class Renderer:
     @property
     def target(self) -> Target:
         """The target of the last draw."""
-        assert self._target is not None, "nothing was drawn"
+        assert self._target is not None
         return self._target
 
     @property

@@ -16,6 +16,7 @@ import numpy as np
 from ..accel.structure import Structure, make_structure
 from ..accel.triangles import PADDING, Triangles
 from ..gpu.buffers import Buffer, TextureBuffer
+from ..gpu.context import is_software
 from ..gpu.environment_map import EnvironmentMap
 from ..gpu.scene_buffers import SceneBuffers
 from ..light.environment import rotation_y
@@ -26,6 +27,8 @@ from .rays import BLOCK, Picture, Rays, Tile
 from .shot import Shot, TraceStatistics
 
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
+# A GPU waits for the CPU once a tile and generation, and has the memory: 16 tiles of 1920x1080 take twice as long as two.
+GPU_TILE_PIXELS = 1 << 20
 OFF = 8  # times the padding of boxes: how far off the surface new rays begin
 
 
@@ -45,6 +48,7 @@ class Tracer:
         self._fabric = SceneBuffers(ctx)
         self._environment = EnvironmentMap(ctx)
         self._rays = Rays(ctx)
+        self._software = is_software(ctx)
 
     # -- the scene -----------------------------------------------------------------------------------------------
 
@@ -116,7 +120,7 @@ class Tracer:
         width, height = shot.size
         begin = time.perf_counter()
         steps = self.steps(shot)
-        total = len(list(_tiles(width, height))) * len(shot.samples)
+        total = len(list(_tiles(width, height, self._tile_pixels))) * len(shot.samples)
         for _ in track(steps, "trace: samples of tiles", total) if total > 1 else steps:
             pass
         picture = np.frombuffer(self.picture.read(16 * width * height), np.float32).reshape(height, width, 4)
@@ -127,7 +131,7 @@ class Tracer:
         """Trace one picture tile by tile into the buffer `picture`, for a caller with other things to do in between.
         The result does not depend on the tiles.
 
-        pixels : called before each row of tiles: about how many pixels each of them shall have; default: TILE_PIXELS
+        pixels : called before each row of tiles: about how many pixels each of them shall have; default: by the device
 
         Yields the share that is done. `picture` holds a vec4 a pixel, top row first: linear Rec. 709, already divided by
         the number of samples, and how many samples have been added.
@@ -141,12 +145,15 @@ class Tracer:
         self.picture.write(bytes(16 * width * height))
         done = 0
         for sample in range(len(shot.samples)):
-            for tile in _tiles(width, height, pixels):
+            for tile in _tiles(width, height, pixels or self._tile_pixels):
                 self._rays.trace(picture, tile, sample)
                 self.statistics.total_ms += 1000 * (time.perf_counter() - begin)
                 done += tile.pixels(shot.size)
                 yield done / (width * height * len(shot.samples))
                 begin = time.perf_counter()
+
+    def _tile_pixels(self) -> int:
+        return TILE_PIXELS if self._software else GPU_TILE_PIXELS
 
     def layers(self, shot: Shot) -> np.ndarray:
         """Rasterise the scene that was set instead: sorted layers, blended, without shadows, before the lighting's
@@ -204,12 +211,12 @@ def _largest(vector: tuple[float, float, float]) -> float:
     return float(np.abs(vector).max())
 
 
-def _tiles(width: int, height: int, pixels: Callable[[], int] | None = None) -> Iterator[Tile]:
+def _tiles(width: int, height: int, pixels: Callable[[], int]) -> Iterator[Tile]:
     """Bands of whole rows, or parts of one row of blocks if those are too long."""
     w, h = BLOCK
     y = 0
     while y < height:
-        count = TILE_PIXELS if pixels is None else pixels()
+        count = pixels()
         # Parts of rows begin and end between blocks, so that no pixel is in two of them.
         across = min(width, max(w, count // h // w * w))
         rows = max(h, count // across // h * h) if across == width else h

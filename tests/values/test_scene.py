@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from glcloth import generate
+from glcloth.cli import generate
 from glcloth.cli.scene_options import SceneOptions
 from glcloth.color import VIEW_TRANSFORMS
 from glcloth.errors import InputError
@@ -19,7 +19,7 @@ CURTAIN = Scene(curtain=CurtainParameters(wind=2.0), depth=2, frame=7)
 
 @pytest.mark.parametrize("path", generate.files(), ids=lambda path: path.name)
 def test_what_is_made_from_the_fields_is_as_they_are(path):
-    assert path.read_text(encoding="utf-8") == generate.files()[path], "run: python -m glcloth.generate"
+    assert path.read_text(encoding="utf-8") == generate.files()[path], "run: python -m glcloth.cli.generate"
 
 
 @pytest.mark.parametrize("model", [Scene, View, CurtainParameters, Fabric, Yarn, Transmission])

@@ -1,4 +1,6 @@
-"""What is written from the fields of a scene: `python -m glcloth.generate` makes docs/scene.md and the command line's options.
+"""Files that are made from the fields of a scene: docs/scene.md and the options of the command line.
+
+`python -m glcloth.cli.generate` writes them.
 
 The options are a file, so that the command line knows them without loading the scene.
 """
@@ -8,9 +10,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, get_args, get_origin
 
-from .fields import Entry, Value, entries
-from .files import PACKAGE
-from .scene import CURTAIN, CurtainParameters, Scene, View, kind_of
+from ..fields import Entry, Value, entries
+from ..files import PACKAGE
+from ..scene import CURTAIN, CurtainParameters, Scene, View, kind_of
 
 DOCUMENT = PACKAGE.parent / "docs" / "scene.md"
 OPTIONS = PACKAGE / "cli" / "scene_options.py"
@@ -24,7 +26,7 @@ def scene_document() -> str:
         "# Scenes",
         "Everything that determines a picture. A scene file (.toml) holds these fields, `glcloth render` has\n"
         "them as options, `Scene.changed` and `Renderer.render` take them as keywords, and a picture keeps\nthem.",
-        "Made from the fields in `glcloth/scene.py` by `python -m glcloth.generate`.",
+        "Made from the fields in `glcloth/scene.py` by `python -m glcloth.cli.generate`.",
         _table("Every scene", [e for e in fields if kind_of(e.name) == "" or e.name == "curtain"]),
         _table("Cloth under an environment", [e for e in fields if kind_of(e.name) == "cloth"]),
         _table("The curtain", [e for e in fields if kind_of(e.name) == "curtain" and e.name != "curtain"]),
@@ -55,7 +57,7 @@ def _said(value: Any) -> str:
 def scene_options() -> str:
     """glcloth/cli/scene_options.py: a dataclass of the fields that are options."""
     lines = [
-        '"""Options that are fields of a scene. Made from these by `python -m glcloth.generate`: do not edit."""',
+        '"""Options that are fields of a scene. Made from these by `python -m glcloth.cli.generate`: do not edit."""',
         "",
         "# fmt: off",
         "# ruff: noqa: E501",
