@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 SCENES = PACKAGE / "scenes"
 Kind = Literal["cloth", "curtain"]
+MethodName = Literal["direct", "paper", "reference"]  # of cloth under an environment
+Quality = Literal["draft", "normal", "high"]
+ShadowMode = Literal["off", "sun", "full"]
 Vec3 = tuple[float, float, float]
 Share = Annotated[float, Field(ge=0, le=1)]
 # What a curtain begins with where its scene does not say: it is traced in a room, before a sky.
@@ -137,12 +140,12 @@ class Scene(Value):
         "", "file of lights (.json, .toml) instead of a fit; `glcloth env` writes one", default="", file=True)
     method: Literal["direct", "paper", "reference", "trace"] = option(
         "", "how light on the cloth is summed; the curtain is traced", default="direct")
-    quality: Literal["draft", "normal", "high"] = direct(
+    quality: Quality = direct(
         "", "nodes per light: draft is fastest, high is closest to the reference", default="normal")
     adaptive: bool = direct(
         "", "shade one pixel in four where neighbours are alike; small pictures in the window always do", default=False)
     light: Literal["sg", "map"] = reference("", "the fitted lights, or the map itself", default="sg")
-    shadows: Literal["off", "sun", "full"] = cloth(
+    shadows: ShadowMode = cloth(
         "", "what the cloth hides from itself: nothing, the suns, or all the light", default="full")
     bounce: bool = cloth("", "light from fold to fold, once (with shadows full)", default=True)
     segments: int = paper("", "theta segments per Gaussian; the paper has 6", default=6, ge=2, le=64)

@@ -16,8 +16,8 @@ from ..gpu.buffers import Buffer
 from ..gpu.programs import Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
 from ..light.lights import Lights
-from ..settings import Settings
 from ..visibility.hit_vertices import HitVertices
+from .settings import Settings
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,9 +17,9 @@ from ..gpu.memo import Last, same
 from ..gpu.programs import Draw, programs
 from ..light.environment import cube_map, cube_map_of_gaussians
 from ..light.lights import Lights
-from ..settings import Settings
 from .albedo import diffuse_albedo
 from .method import Geometry, Method
+from .settings import Settings
 
 # Directions per pass: far below llvmpipe's 65,535 loop iterations per invocation even with 32 tangents, and short
 # enough (about a second a pass at 640x480 without a GPU) for progress and Ctrl-C.

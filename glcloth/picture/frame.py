@@ -18,8 +18,8 @@ from ..light.environment import Environment, load_environment, rotation_y
 from ..light.fit import fit_lights
 from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..light.lights_file import load_lights
+from ..methods.settings import Settings
 from ..scene import Scene, load_scene
-from ..settings import Settings
 from ..visibility.pixels import is_next_pose
 
 

@@ -17,9 +17,9 @@ from ..gpu.gbuffer import GBuffer
 from ..light.environment import Environment
 from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..methods.method import Method
+from ..methods.settings import Settings
 from ..progress import check_stopped
-from ..scene import Scene, View, load_scene
-from ..settings import MethodName, Quality, Settings
+from ..scene import MethodName, Quality, Scene, View, load_scene
 from .background import Background
 from .frame import Frame, Frames
 from .pace import Pace

@@ -13,7 +13,7 @@ from ..accel.triangles import Triangles
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import Last
 from ..methods.method import Geometry
-from ..settings import ShadowMode
+from ..scene import ShadowMode
 from ..visibility.bounce import Bounce
 from ..visibility.pixels import Occluders
 from .cloth import ClothSurface

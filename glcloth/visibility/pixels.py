@@ -18,7 +18,7 @@ from ..gpu.memo import Last, same
 from ..gpu.programs import programs
 from ..gpu.scene_buffers import SceneBuffers
 from ..light.lights import Lights, SphericalGaussians
-from ..settings import ShadowMode
+from ..scene import ShadowMode
 from ..twins.visibility import own_directions
 from .furnace import Furnace
 from .hit_vertices import HitVertices

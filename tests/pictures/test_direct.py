@@ -13,8 +13,8 @@ from glcloth.gpu.programs import programs
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.methods.direct import broad_nodes, gaussian_nodes, lobe_nodes, schedule
 from glcloth.methods.direct.gauss import nodes_and_weights, recurrence
+from glcloth.methods.settings import Settings
 from glcloth.picture.warm_up import warm_up
-from glcloth.settings import Settings
 from glcloth.twins import cloth, quadrature
 from glcloth.twins.node import column_of, column_width
 from glcloth.twins.pool import sin_limit

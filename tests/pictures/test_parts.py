@@ -11,7 +11,7 @@ from glcloth.light.environment import cube_map_of_gaussians
 from glcloth.light.lights import Lights, Suns
 from glcloth.methods.paper.tables import tables_for
 from glcloth.methods.registry import make_method
-from glcloth.settings import Settings
+from glcloth.methods.settings import Settings
 from glcloth.twins import cloth, convolution, quadrature
 
 SETTINGS = Settings(quality="high", segments=16, grid=16, cube=8)

@@ -13,11 +13,12 @@ from ...gpu.buffers import TextureBuffer
 from ...gpu.layout import shared
 from ...gpu.memo import Last
 from ...light.lights import Lights
-from ...settings import Quality, Settings
+from ...scene import Quality
 from ...twins.node import angle_at_column, column_width
 from ...twins.slots import ANGLE_SERIES
 from ...visibility.vertices import sun_number
 from ..method import Method
+from ..settings import Settings
 from . import broad_nodes
 from . import schedule as plan
 from .gaussian_nodes import COLUMNS, SKY_SHARPNESS, SUN, gaussian_table, node_count, warm

@@ -14,8 +14,8 @@ from ...gpu.buffers import TextureBuffer
 from ...gpu.layout import constant
 from ...gpu.memo import Last
 from ...light.lights import Lights
-from ...settings import Settings
 from ..method import Method
+from ..settings import Settings
 from .precompute import Tables, inner_share, shapes_of
 from .tables import azimuth_texels, check_parameters, slice_index, slices, tables_for, texel_type, tiled
 

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from ..scene import Quality, ShadowMode
+
 if TYPE_CHECKING:
     import numpy as np
 
-    from .light.environment import Environment
-
-MethodName = Literal["direct", "paper", "reference"]
-Quality = Literal["draft", "normal", "high"]
-ShadowMode = Literal["off", "sun", "full"]
+    from ..light.environment import Environment
 
 
 @dataclass(frozen=True)
