@@ -1,0 +1,1 @@
+"""Woven structure as plain values: drafts, named weaves, yarn geometry, and the maps whose mean is the far cloth."""
