@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ..color import srgb_decode, srgb_encode
 from ..errors import InputError
 
 MAX_THREADS = 16384  # ends, and picks, of a whole draft
@@ -22,7 +23,8 @@ class Draft:
     drawdown : bool [picks, ends], True where the warp is on top.
     warp_spacing, weft_spacing : float64 [ends], [picks], cm from centre to centre (1 / sett).
     warp_thickness, weft_thickness : float64 [ends], [picks], cm, width of the threads; spacing where not given.
-    warp_colors, weft_colors : float64 [ends, 3], [picks, 3], linear Rec. 709, or both None.
+    warp_colors, weft_colors : float64 [ends, 3], [picks, 3], linear Rec. 709, or both None; kept as display sRGB of 8 bits,
+    as drafts state colours.
     title, warnings : text; what was odd about the file.
 
     Arrays are read-only. Raises InputError for other shapes, values that are no lengths or colours, and sizes above
@@ -170,4 +172,4 @@ def _colors(name: str, value, count: int) -> np.ndarray:
         raise InputError(f"draft: {name} has shape {value.shape}, expected ({count}, 3), one colour for each thread")
     if not ((value >= 0.0) & (value <= 1.0)).all():
         raise InputError(f"draft: {name} holds values outside 0 to 1, expected linear Rec. 709")
-    return value
+    return srgb_decode(np.rint(255.0 * srgb_encode(value)) / 255.0)

@@ -328,7 +328,7 @@ def _length(section: str, key, entry: _Entry) -> float:
 
 
 def save_draft(path: str | Path, draft: Draft) -> None:
-    """Write a draft as WIF 1.1 with tie-up and treadling; `load_draft` reads it back, colours to 1/255 of their range.
+    """Write a draft as WIF 1.1 with tie-up and treadling; `load_draft` reads it back.
 
     Ends that work alike share a shaft, picks that are alike a treadle. Raises InputError if the file cannot be written.
     """
@@ -340,9 +340,6 @@ def draft_text(draft: Draft) -> str:
     """The text of a WIF file that holds `draft`."""
     columns, shaft = np.unique(draft.drawdown.T, axis=0, return_inverse=True)
     rows, treadle = np.unique(columns.T, axis=0, return_inverse=True)
-    of_pick = {row.tobytes(): t for t, row in enumerate(rows)}
-    firsts = [int(np.flatnonzero(shaft.ravel() == s)[0]) for s in range(len(columns))]
-    treadling = [of_pick[np.ascontiguousarray(row).tobytes()] for row in draft.drawdown[:, firsts]]
     sections: dict[str, dict] = {
         "WIF": {"Version": 1.1, "Date": "April 20, 1997", "Developers": "wif@mhsoft.com", "Source Program": "glcloth"},
         "CONTENTS": {},
@@ -352,7 +349,7 @@ def draft_text(draft: Draft) -> str:
         "WEFT": {"Threads": draft.picks, "Units": "centimeters"},
         "THREADING": _lines(s + 1 for s in shaft.ravel()),
         "TIEUP": _lines(",".join(str(s + 1) for s in np.flatnonzero(row)) for row in rows),
-        "TREADLING": _lines(t + 1 for t in treadling),
+        "TREADLING": _lines(t + 1 for t in treadle.ravel()),
     }
     for system in ("warp", "weft"):
         for what in ("spacing", "thickness"):
