@@ -208,7 +208,7 @@ class Weave(Value):
 def _derived(shape: Shape, colors: tuple | None, gamma_s_deg: tuple[float, float]) -> Derived:
     tile = make_tile(shape)
     both = [tile_tangents(tile, j, float(np.radians(gamma_s_deg[j]))) for j in (0, 1)]
-    areas = tuple(float(t.weights.sum()) for t in both)
+    areas = tuple(min(float(t.weights.sum()), 1.0) for t in both)
     tilts = tuple(tuple((np.round(np.degrees(t.tilts), 9) + 0.0).tolist()) for t in both)
     shares = tuple(tuple((t.weights / (a or 1.0)).tolist()) if a else (1.0,) for t, a in zip(both, areas, strict=True))
     albedos = None

@@ -16,7 +16,7 @@ ARRAYS = tuple(f"{system}_{what}" for system in ("warp", "weft") for what in ("s
 
 
 def plain_draft(draft: Draft) -> dict:
-    """{"drawdown": rows of # (warp on top) and ., "warp_spacing": cm, "warp_colors": "#rrggbb", ...}; a list where threads differ."""
+    """{"drawdown": rows of # (warp on top) and ., "warp_spacing": cm, "warp_colors": "#rrggbb", ...}; else lists."""
     out: dict = {"title": draft.title} if draft.title else {}
     out["drawdown"] = ["".join(UP if up else DOWN for up in row) for row in draft.drawdown]
     for name in ARRAYS:
