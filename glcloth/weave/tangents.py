@@ -7,7 +7,6 @@ shares of a place add up to 1). Their means are the weights; measured against ma
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +15,7 @@ from .tile import Tile
 
 APART = 1.6  # of gamma_s: distance of tangents
 LEAST, MOST = 3, 16  # tangents of a yarn; two hats alone are off by half
+_MIDDLES = (np.arange(2048) + 0.5) / 2048
 NEGLIGIBLE = 1e-5  # share of the cloth below which a tangent is left out
 
 
@@ -37,8 +37,10 @@ def places(low: float, high: float, gamma_s: float) -> np.ndarray:
     """Tilts from `low` to `high`, equally spaced, near enough for a surface lobe of width gamma_s; radians, [n]."""
     if high - low < 0.1 * gamma_s:
         return np.array([0.5 * (low + high)])
-    n = 1 + int(np.ceil((high - low) / (APART * gamma_s)))
-    return np.linspace(low, high, min(max(n, LEAST), MOST))
+    n = min(max(1 + int(np.ceil((high - low) / (APART * gamma_s))), LEAST), MOST)
+    # Floats lie flat in their middle, so a symmetric range needs a tangent at 0.
+    n += n % 2 == 0 and low == -high
+    return np.linspace(low, high, min(n, MOST - 1 if low == -high else MOST))
 
 
 def between(tilt: np.ndarray, tilts: np.ndarray) -> Between:
@@ -74,12 +76,18 @@ def curve_tangents(angles: np.ndarray, lengths: np.ndarray, gamma_s: float) -> T
 
     angles : radians, [n + 1], control angles. lengths : [n], of the segments, 0 for a jump.
     """
-    middles = (np.arange(2048) + 0.5) / 2048
-    tilt = np.stack([a + (b - a) * middles for a, b in pairwise(angles)])
-    amount = np.repeat(np.asarray(lengths, float) / (2048 * np.sum(lengths)), 2048)
-    used = amount > 0.0
-    tilt = tilt.ravel()[used]
-    return _kept(tilt, amount[used], places(tilt.min(), tilt.max(), gamma_s))
+    lengths = np.asarray(lengths, float)
+    parts = []
+    for branch in np.split(np.arange(len(lengths)), np.flatnonzero(lengths == 0.0)):
+        branch = branch[lengths[branch] > 0.0]
+        if branch.size:
+            # Nothing lies between the two sides of a jump, so each side has tangents of its own.
+            tilt = np.stack([angles[i] + (angles[i + 1] - angles[i]) * _MIDDLES for i in branch])
+            amount = np.broadcast_to(lengths[branch, None] / (lengths.sum() * _MIDDLES.size), tilt.shape)
+            ends = angles[[*branch, branch[-1] + 1]]
+            parts.append(_kept(tilt.ravel(), amount.ravel(), places(ends.min(), ends.max(), gamma_s)))
+    tilts, which = np.unique(np.concatenate([part.tilts for part in parts]), return_inverse=True)
+    return Tangents(tilts, np.bincount(which.ravel(), np.concatenate([part.weights for part in parts])))
 
 
 def _kept(tilt: np.ndarray, amount: np.ndarray | float, tilts: np.ndarray) -> Tangents:
