@@ -41,7 +41,7 @@ def _output(text: str):
 class SceneOptions:
     """What to render; an option that is not given keeps the scene's value."""
 
-    fabric: Annotated[str | None, Parameter(help="Built-in fabric or a .toml file.")] = None
+    fabric: Annotated[str | None, Parameter(help="Built-in fabric, a .toml file, or a draft (.wif).")] = None
     mesh: Annotated[str | None, Parameter(help="Built-in mesh or a file (.obj .ply .glb .gltf).")] = None
     objects: Annotated[
         list[str] | None,
@@ -434,6 +434,107 @@ def env(
     write_image(picture, fit_picture(environment, report.lights))
     result = {"file": str(target), "picture": str(picture), **report.as_dict()}
     _print(json, result, f"{report}\n{target}, {picture}")
+
+
+@app.command
+def weave(
+    draft: Path,
+    /,
+    *,
+    output: Annotated[Path | None, _output("Fabric file to write (.toml).")] = None,
+    picture: Annotated[
+        Path | None, Parameter(help="Picture to write, .png or .exr: the drawdown, and the cloth in its flat colours.")
+    ] = None,
+    ends: Annotated[float | None, Parameter(help="Ends a cm; default: what the draft says.")] = None,
+    picks: Annotated[float | None, Parameter(help="Picks a cm; default: what the draft says.")] = None,
+    flip: Annotated[
+        bool, Parameter(negative="", help="Read the picks from the bottom, as handweavers often do.")
+    ] = False,
+    json: Json = False,
+) -> None:
+    """Make a fabric of a weaver's draft; report sett, repeat, floats, cover and tilts; draw drawdown and cloth.
+
+    Parameters
+    ----------
+    draft
+        WIF file, or a fabric that has a weave (to report and draw it).
+    """
+    import numpy as np
+
+    from .fabric import draft_fabric, load_fabric, save_fabric
+    from .image import check_output, write_image
+    from .weave.picture import weave_picture
+    from .weave.report import lines_of, weave_report
+    from .weave.wif import load_draft
+
+    if output is not None:
+        if output.suffix.lower() != ".toml":
+            raise InputError(f"{output}: expected a name that ends in .toml")
+        check_writable(output)
+    if picture is not None:
+        check_output(picture)
+    warnings: list[str] = []
+    if draft.suffix.lower() == ".wif":
+        read = load_draft(draft)
+        warnings = list(read.warnings)
+        fabric = draft_fabric(read.flipped() if flip else read)
+    else:
+        fabric = load_fabric(str(draft))
+    if fabric.weave is None:
+        raise InputError(f"{draft}: {fabric.name} has no [weave], expected a draft (.wif) or a fabric with one")
+    changes = {"ends_per_cm": ends, "picks_per_cm": picks}
+    if changes := {name: value for name, value in changes.items() if value is not None}:
+        fabric = fabric.changed(weave=fabric.weave.changed(**changes))
+    facts = weave_report(fabric.weave, tuple(yarn.gamma_s_deg for yarn in fabric.yarn))
+    facts |= {"fabric": fabric.name, "warnings": warnings}
+    if output is not None:
+        save_fabric(output, fabric)
+        facts["file"] = str(output)
+    if picture is not None:
+        colors = fabric.weave.thread_colors or tuple(np.array([yarn.albedo]) for yarn in fabric.yarn)
+        write_image(picture, weave_picture(fabric.weave, colors))
+        facts["picture"] = str(picture)
+    if json:
+        _print(True, facts, "")
+    else:
+        print("\n".join([fabric.name, *lines_of(facts)]), flush=True)
+        say(", ".join(facts[key] for key in ("file", "picture") if key in facts))
+
+
+@app.command
+def fabrics(
+    *,
+    output: Annotated[Path | None, _output("Sheet of pictures to write, .png or .exr.")] = None,
+    device: Device = None,
+    json: Json = False,
+) -> None:
+    """List the built-in fabrics with weave, sett and holes; -o draws each on the built-in cloth."""
+    from .fabric import builtin_fabrics, load_fabric
+    from .image import check_output
+
+    if output is not None:
+        check_output(output)
+    rows = []
+    for name in builtin_fabrics():
+        fabric = load_fabric(name)
+        row = {"name": name, "title": fabric.name, "gap": round(fabric.gap, 4), "tangents": len(fabric.tangents)}
+        if (w := fabric.weave) is not None:
+            row |= {"weave": w.drafted.title, "ends_per_cm": w.ends_per_cm, "picks_per_cm": w.picks_per_cm}
+        rows.append(row)
+    result: dict = {"fabrics": rows}
+    if output is not None:
+        from .sheet import fabric_sheet
+
+        result["file"] = str(output)
+        fabric_sheet(output, [row["name"] for row in rows], device)
+    if json:
+        _print(True, result, "")
+        return
+    for row in rows:
+        sett = f"{row['ends_per_cm']:5.4g} x {row['picks_per_cm']:<5.4g}" if "weave" in row else " " * 13
+        print(f"{row['name']:24} {row.get('weave', ''):14} {sett} {row['gap']:6.1%}  {row['title']}", flush=True)
+    if output is not None:
+        say(str(output))
 
 
 @app.command
