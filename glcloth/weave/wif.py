@@ -168,7 +168,8 @@ class _Wif:
     def sheds(self) -> tuple[dict[int, list[int]], int]:
         """({pick: shafts that its treadles move}, the last pick about which something is said)."""
         tieup, treadling, lift = self.lists("TIEUP"), self.lists("TREADLING"), self.lists("LIFTPLAN")
-        if any(tieup.values()) and any(treadling.values()):
+        said = any(tieup.values()) and any(treadling.values())
+        if said or (tieup and treadling and not lift):
             tied = {treadle: frozenset(shafts) for treadle, shafts in tieup.items()}
             made: dict[tuple, list[int]] = {}  # picks repeat, so each combination of treadles is joined once
             for treadles in treadling.values():
