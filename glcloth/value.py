@@ -28,6 +28,16 @@ class Value(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    def _fields(self) -> tuple:
+        return tuple(getattr(self, name) for name in type(self).model_fields)
+
+    def __eq__(self, other) -> bool:
+        """Equal fields: pydantic also compares what was derived and kept, which fails for arrays."""
+        return self is other or (type(self) is type(other) and self._fields() == other._fields())
+
+    def __hash__(self) -> int:
+        return hash((type(self), self._fields()))
+
     def changed(self, **changes):
         """The same value with some fields replaced. Raises InputError for unknown fields and values out of range."""
         data = {name: getattr(self, name) for name in type(self).model_fields}

@@ -193,7 +193,7 @@ def test_flipped_reads_from_the_bottom():
 ERRORS = {
     "no WIF": (lambda rng: TWILL.replace("[WIF]", "[WOF]"), "no [WIF]"),
     "no threading": (lambda rng: without("THREADING"), "THREADING"),
-    "empty threading": (lambda rng: TWILL.split("[THREADING]")[0] + "[THREADING]\n1=0\n[TIEUP]\n1=1\n[TREADLING]\n1=1\n", "THREADING"),
+    "empty threading": (lambda rng: without("THREADING") + "[THREADING]\n1=0\n", "THREADING"),
     "no sheds": (lambda rng: without("TREADLING"), "LIFTPLAN"),
     "shaft too high": (lambda rng: with_lines("THREADING", f"{rng.integers(1, 9)}={rng.integers(5, 99)}"), "expected 1 to 4"),
     "lift too high": (lambda rng: with_lines("TIEUP", f"2={rng.integers(5, 99)}"), "expected 1 to 4"),
