@@ -319,7 +319,7 @@ def draft_fabric(draft: Draft, name: str | None = None) -> Fabric:
     colors = "draft" if draft.has_colors else "yarn"
     yarn = {"eta": 1.5, "k_d": 0.35, "gamma_s_deg": 12.0, "gamma_v_deg": 24.0}
     if colors == "yarn":
-        yarn["albedo"] = (0.42, 0.38, 0.30)
+        yarn["albedo"] = (0.30, 0.27, 0.21)
     weave = Weave.model_validate({"draft": draft, "width": widths, "colors": colors, "twist_deg": 10.0})
     return parse_fabric({"name": name or draft.title or "draft", "yarn": [yarn, yarn], "weave": weave})
 
