@@ -485,7 +485,7 @@ def weave(
     changes = {"ends_per_cm": ends, "picks_per_cm": picks}
     if changes := {name: value for name, value in changes.items() if value is not None}:
         fabric = fabric.changed(weave=fabric.weave.changed(**changes))
-    facts = weave_report(fabric.weave, tuple(yarn.gamma_s_deg for yarn in fabric.yarn))
+    facts = weave_report(fabric.weave, fabric.yarn)
     facts |= {"fabric": fabric.name, "warnings": warnings}
     if output is not None:
         save_fabric(output, fabric)

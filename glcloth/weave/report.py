@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from .floats import float_lengths
@@ -10,14 +12,14 @@ from .model import Weave
 SYSTEMS = ("warp", "weft")
 
 
-def weave_report(weave: Weave, gamma_s_deg: tuple[float, float]) -> dict:
-    """Facts of a weave for JSON; `gamma_s_deg` are the widths of the yarns' surface lobes, on which the tangents depend.
+def weave_report(weave: Weave, yarns: Sequence) -> dict:
+    """Facts of a weave for JSON; `yarns` are the fabric's two, which know their area and their tangents.
 
     sett: threads a cm. repeat, structure: [picks, ends]. floats: for each system the longest, the mean, and how many of
     each length on the face of one repeat. width_cm, height_cm: of the yarns. largest_tilt_deg: of their axes. area: share of
-    the cloth where they lie on top; gap: the rest. tangents_deg: those of the far field, with their shares.
+    the cloth where they lie on top; gap: the rest. tangents_deg: those of the far field, with their shares (None where equal).
     """
-    draft, shape, found = weave.drafted, weave.shape, weave.derived(gamma_s_deg)
+    draft, shape = weave.drafted, weave.shape
     picks, ends = draft.structure
     floats = {s: _counts(n) for s, n in zip(SYSTEMS, float_lengths(draft.drawdown[:picks, :ends]), strict=True)}
     colors = weave.thread_colors
@@ -32,10 +34,10 @@ def weave_report(weave: Weave, gamma_s_deg: tuple[float, float]) -> dict:
         "width_cm": dict(zip(SYSTEMS, widths, strict=True)),
         "height_cm": dict(zip(SYSTEMS, shape.heights, strict=True)),
         "largest_tilt_deg": dict(zip(SYSTEMS, np.degrees(shape.largest_tilts).tolist(), strict=True)),
-        "area": dict(zip(SYSTEMS, found.areas, strict=True)),
-        "gap": max(0.0, 1.0 - sum(found.areas)),
-        "tangents_deg": dict(zip(SYSTEMS, found.tilts_deg, strict=True)),
-        "shares": dict(zip(SYSTEMS, found.shares, strict=True)),
+        "area": dict(zip(SYSTEMS, (yarn.area for yarn in yarns), strict=True)),
+        "gap": max(0.0, 1.0 - sum(yarn.area for yarn in yarns)),
+        "tangents_deg": dict(zip(SYSTEMS, (yarn.tilts_deg for yarn in yarns), strict=True)),
+        "shares": dict(zip(SYSTEMS, (yarn.tilt_shares for yarn in yarns), strict=True)),
         "warnings": list(draft.warnings),
     }
 
