@@ -317,7 +317,7 @@ def draft_fabric(draft: Draft, name: str | None = None) -> Fabric:
     # Drafts state thread and gap carelessly; cloth of which nothing is known is nearly closed.
     widths = [float(np.clip((t / s).mean(), 0.3, 1.1)) for t, s in _widths(draft)]
     colors = "draft" if draft.has_colors else "yarn"
-    yarn = {"eta": 1.5, "k_d": 0.35, "gamma_s_deg": 12.0, "gamma_v_deg": 24.0}
+    yarn = {"eta": 1.34, "k_d": 0.35, "gamma_s_deg": 12.0, "gamma_v_deg": 24.0}
     if colors == "yarn":
         yarn["albedo"] = (0.30, 0.27, 0.21)
     weave = Weave.model_validate({"draft": draft, "width": widths, "colors": colors, "twist_deg": 10.0})
