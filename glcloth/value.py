@@ -77,7 +77,8 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     elif kind == "value_error":
         text = f"{where}: {problem['ctx']['error']}" if where else str(problem["ctx"]["error"])
     else:
-        text = f"{where} = {value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}"
+        shown = value if len(value := repr(value)) <= 60 else f"{value[:57]}..."
+        text = f"{where} = {shown}: {problem['msg'][0].lower()}{problem['msg'][1:]}"
     return text + (f" (and {len(problems) - 1} more)" if len(problems) > 1 else "")
 
 

@@ -92,7 +92,7 @@ def tile_size(picks: int, ends: int) -> tuple[int, int]:
     return H, W
 
 
-@lru_cache(maxsize=8)
+@lru_cache(maxsize=4)
 def make_tile(shape: Shape, size: tuple[int, int] | None = None) -> Tile:
     """The cloth of `shape` seen from above, `size` = (H, W) texels (`tile_size` by default).
 

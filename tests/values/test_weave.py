@@ -411,6 +411,7 @@ def test_a_table_derives_areas_and_tangents(tmp_path):
         ({}, {"widht": 1}, "did you mean width"),
         ({}, {"width": 9}, "width: item 1 = 9"),
         ({}, {"crimp": 2}, "crimp = 2"),
+        ({}, {"crimp": "x" * 9999}, "crimp = 'xxx"),
         ({}, {"ends_per_cm": 0}, "ends_per_cm = 0"),
         ({}, {"irregularity": {"shift": 5}}, "shift = 5"),
         ({"albedo": None}, {"colors": "draft"}, "the draft says no colours"),
