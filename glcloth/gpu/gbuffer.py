@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from .buffers import TextureBuffer
+from .memo import Last
 from .programs import Draw, Inputs, programs
 from .screen import Blend, draw_screen
 
@@ -100,6 +101,7 @@ class GBuffer:
         self.ray_from_pixel = np.eye(3)
         self._drawn: Drawn | None = None
         self._owns_color = color is None
+        self._parts: dict[bool, tuple[moderngl.Texture, moderngl.Framebuffer, Last[None]]] = {}
 
     # -- drawing -----------------------------------------------------------------------------------------------------
 
@@ -206,13 +208,36 @@ class GBuffer:
         self.target.depth_mask = False  # what `draw` left stays
         self.target.clear(0.0, 0.0, 0.0, 0.0)
 
-    def shade(self, program: Draw, *inputs: Inputs, add: bool = False, rows: tuple[int, int] | None = None) -> None:
+    def shade(
+        self,
+        program: Draw,
+        *inputs: Inputs,
+        add: bool = False,
+        rows: tuple[int, int] | None = None,
+        part: moderngl.Framebuffer | None = None,
+    ) -> None:
         """Run a program for every covered pixel; `add` its colour instead of setting it.
 
-        `rows` = (first, count), counted from below, limits it to a band of the picture.
+        `rows` = (first, count), counted from below, limits it to a band of the picture; `part`: only pixels that it covers.
         """
         blend: Blend = "add" if add else "replace"
-        draw_screen(program, self.target, self.inputs(), *inputs, blend=blend, depth="covered", rows=rows)
+        draw_screen(program, part or self.target, self.inputs(), *inputs, blend=blend, depth="covered", rows=rows)
+
+    def part(self, which: bool, choose: Callable[[moderngl.Framebuffer], None], *key: Any) -> moderngl.Framebuffer:
+        """The picture with a depth of its own, one of two, that covers some of the pixels: `choose` writes it where the
+        key changes."""
+        if which not in self._parts:
+            depth = depth_texture(self.ctx, self.size)
+            self._parts[which] = depth, self.ctx.framebuffer([self.color], depth), Last()
+        _, target, chosen = self._parts[which]
+        chosen.get(lambda: choose(target), *key)
+        return target
+
+    def choose(self, target: moderngl.Framebuffer, program: Draw, *inputs: Inputs) -> None:
+        """Write the depth of a part of the pixels by a program."""
+        target.color_mask = (False,) * 4
+        draw_screen(program, target, self.inputs(), *inputs, depth="written")
+        target.color_mask = (True,) * 4
 
     def read(self) -> np.ndarray:
         """The shaded picture, float32 [H, W, 4], top row first; alpha 1 where covered."""
@@ -229,9 +254,10 @@ class GBuffer:
         # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
         self.ctx.detect_framebuffer(0).use()
         own = [self.color] if self._owns_color else []
-        for framebuffer in (self.frames, self.target):
+        for framebuffer in (self.frames, self.target, *(target for _, target, _ in self._parts.values())):
             framebuffer.release()
-        for texture in (*self._textures.values(), self.depth, *own):
+        parts = [depth for depth, *_ in self._parts.values()]
+        for texture in (*self._textures.values(), self.depth, *own, *parts):
             texture.release()
 
 

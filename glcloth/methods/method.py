@@ -67,6 +67,7 @@ class Method:
     """
 
     lights_solids = False  # else the light of solids is Gaussians and suns, each as far as it is seen
+    shows_threads = False  # whether its program takes the maps of inputs/methods/weave.glsl
     source = ""  # the GLSL file with `vec3 L_o(vec3 omega_o, mat3 surface_from_world)`
 
     def __init__(self, ctx: moderngl.Context):
@@ -91,6 +92,14 @@ class Method:
 
     def inputs(self) -> dict[str, Any]:
         """Textures, buffers and uniforms by their names in GLSL."""
+        return {}
+
+    def woven_packing(self) -> tuple[int, int]:
+        """Where it `shows_threads`: how many vec4s hold the tangents, and how many each."""
+        raise NotImplementedError
+
+    def woven_inputs(self) -> dict[str, Any]:
+        """What its program reads beside `inputs` and the maps for pixels that show threads."""
         return {}
 
     def passes(self) -> Iterable[dict[str, Any]]:

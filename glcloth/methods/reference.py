@@ -48,6 +48,7 @@ class Reference(Method):
     """
 
     lights_solids = True
+    shows_threads = True
 
     def __init__(self, ctx: moderngl.Context):
         super().__init__(ctx)
@@ -82,6 +83,10 @@ class Reference(Method):
     def defines(self) -> dict[str, Any]:
         """Whether rays can meet anything but the cloth itself."""
         return {"SEVERAL_SURFACES": 1} if self.traced and self._geometry.several else {}
+
+    def woven_packing(self) -> tuple[int, int]:
+        """In the order of the tangents."""
+        return -(-self._tangents // 4), 4
 
     def includes(self) -> dict[str, str]:
         """How rays are traced, and what they look for."""

@@ -23,6 +23,7 @@ from .adaptive import AdaptiveRate
 from .frame import Cloth, Frame
 from .pace import Pace
 from .surface import Surface
+from .threads import Threads
 
 
 class ClothSurface(Surface):
@@ -36,6 +37,7 @@ class ClothSurface(Surface):
         self.methods: dict[str, Method] = {}
         self._finer: Last[Mesh] = Last()
         self.adaptive_rate: AdaptiveRate | None = None
+        self.threads = Threads(ctx)
 
     def named_method(self, name: str) -> Method:
         """The method of a name, made at first use. Raises InputError for an unknown one."""
@@ -60,6 +62,8 @@ class ClothSurface(Surface):
         self._narrowest = float(np.radians(min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in yarns)))
         drawn = self._finer.get(lambda: subdivided(cloth.mesh), cloth.mesh) if finer else cloth.mesh
         self._place(lambda: self._uploaded(drawn, cloth.mesh), drawn)
+        self.threads.prepare(cloth.fabric, self.method, self.buffers, frame)
+        self.adaptive &= not self.threads.shown  # between two pixels lie threads that neither sees
 
     def _uploaded(self, drawn: Mesh, original: Mesh) -> MeshBuffers:
         return MeshBuffers(self.ctx, drawn, lift_off_facets(drawn, original) if drawn is not original else None)
@@ -88,6 +92,12 @@ class ClothSurface(Surface):
         return programs(self.ctx).screen("passes/picture/shade.frag", self.method.defines(), self._virtual())
 
     @property
+    def woven_program(self) -> Draw:
+        """As `program`, for pixels that show threads."""
+        virtual = {**self._virtual(), "inputs/methods/threads.glsl": "inputs/methods/weave.glsl"}
+        return programs(self.ctx).screen("passes/picture/shade.frag", self.threads.defines(self.method), virtual)
+
+    @property
     def list_program(self) -> Compute:
         """The program that shades the pixels of a list."""
         return programs(self.ctx).compute("passes/picture/shade_list.comp", self.method.defines(), self._virtual())
@@ -103,7 +113,14 @@ class ClothSurface(Surface):
         if number >= self.pass_count:
             return
         share = {"pass_weight": weight, "pass_cover": weight / self.pass_count, "pixel_stride": 1}
-        buffer.shade(self.program, self.inputs(view), share, self.passes[number], add=add, rows=rows)
+        inputs = self.inputs(view), share, self.passes[number]
+        if not self.threads.shown:
+            buffer.shade(self.program, *inputs, add=add, rows=rows)
+            return
+        far, near = (self.threads.choose(buffer, which) for which in (False, True))
+        buffer.shade(self.program, *inputs, add=add, rows=rows, part=far)
+        woven = self.threads.inputs(self.method, buffer)
+        buffer.shade(self.woven_program, *inputs, woven, add=add, rows=rows, part=near)
 
     def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:
         if self.adaptive_rate is None:

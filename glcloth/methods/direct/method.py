@@ -19,6 +19,7 @@ from ...twins.slots import ANGLE_SERIES
 from ...visibility.vertices import sun_number
 from ..method import Method
 from ..settings import Settings
+from ..weave_maps import packed
 from . import broad_nodes
 from . import schedule as plan
 from .gaussian_nodes import COLUMNS, SKY_SHARPNESS, SUN, gaussian_table, node_count, warm
@@ -32,7 +33,7 @@ MAX_PHI_PAIRS = int(shared("inputs/methods/direct_lobes.glsl")[0]["MAX_PHI_PAIRS
 BROAD_BLEND = 1.1  # sharpness, from one number of directions for broad light to the next
 NO_LIGHT = 1e-5  # share of a Gaussian's mass above the horizon that is none
 # What programs are compiled for: (groups, tangents a group, with pooled nodes). The first that a fabric fits serves it.
-VARIANTS = ((1, 4, False), (1, 4, True), (2, 3, True), (2, 4, True), (8, 4, True))
+VARIANTS = ((1, 4, False), (1, 4, True), (2, 3, True), (2, 4, True), (4, 4, True), (8, 4, True))
 
 
 class Entry(NamedTuple):
@@ -58,9 +59,10 @@ class Direct(Method):
     """The quadrature of glsl/inputs/methods/direct.glsl, and what it needs from the host.
 
     Everything that a user edits goes into buffers and uniforms. Only how the tangents are
-    packed into vec4s is compiled in; `variants` lists the five ways, so that a window can compile them before any edit.
+    packed into vec4s is compiled in; `variants` lists the ways, so that a window can compile them before any edit.
     """
 
+    shows_threads = True
     source = "inputs/methods/direct.glsl"
 
     def __init__(self, ctx: moderngl.Context):
@@ -69,11 +71,12 @@ class Direct(Method):
         self._entry_data = TextureBuffer(ctx, 16 * ENTRY_TEXELS * 64)
         self._lobe_data = TextureBuffer(ctx, 1 << 16)
         self._pooled_light, self._broad_light = LightMap(ctx), LightMap(ctx)
-        self._view = ViewTable(ctx)
+        self._view, self._woven_view = ViewTable(ctx), ViewTable(ctx)
         self._prepared: Last[None] = Last()
         self._rules: Last[Rules] = Last()
         self._lobes: Last[None] = Last()
         self._view_made: Last[None] = Last()
+        self._woven_made: Last[None] = Last()
         self._uniforms: dict[str, Any] = {}
         self._pixel_counts: tuple[int, ...] = (1, 1, 1)
         self._variant = VARIANTS[0]
@@ -101,9 +104,8 @@ class Direct(Method):
         self._pooled_light.draw(lights.gaussians, (1.0 - broad) * pooled)
         self._broad_light.draw(lights.gaussians, broad)
         self._set_fabric(fabric, pool > 0, part)
-        self._view_made.get(
-            lambda: self._make_view_table(fabric, lobes, schedule, levels), fabric, part, schedule, levels
-        )
+        self._view_of = fabric, lobes, schedule, levels
+        self._view_made.get(lambda: self._make_view_table(*self._view_of), fabric, part, schedule, levels)
         self._evaluations = nodes * len(fabric.tangents) + pool * any_pooled + int(self._uniforms["broad_nodes"][1])
 
     # -- light -----------------------------------------------------------------------------------------------------
@@ -156,8 +158,8 @@ class Direct(Method):
     ) -> int:
         """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them."""
         tangents = tuple(
-            (*tangent, weight)
-            for tangent, weight in zip(fabric.tangents, fabric.numerators(part), strict=True)
+            (*tangent, weight, number)
+            for number, (tangent, weight) in enumerate(zip(fabric.tangents, fabric.numerators(part), strict=True))
             if max(lobes[tangent.yarn].share_s, lobes[tangent.yarn].share_v) > 0.0 and (weight > 0.0 or part is None)
         )
         count, pairs = (schedule.theta_count, schedule.phi_pairs) if tangents else (1, 1)
@@ -180,6 +182,22 @@ class Direct(Method):
         record = _lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
         inputs = {"lobe_data": self._lobe_data, **self._uniforms}
         self._view.make(schedule.view_size, levels, _defines(groups, lanes, True), inputs, record)
+
+    def _make_woven_table(
+        self, fabric: Fabric, lobes: tuple[Lobes, Lobes], schedule: plan.Schedule, levels: Levels
+    ) -> None:
+        """As the view table, without colours: a table each of tangents of negative, small and positive tilts, of the mean
+        over those weighed by how near their tilts are."""
+        groups, lanes, _ = self._variant
+        record = _lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
+        inputs = {"lobe_data": self._lobe_data, **self._uniforms}
+        yarn = np.array([tangent.yarn for tangent in fabric.tangents])
+        sets = []
+        for near in _bins(fabric):
+            total = np.array([(fabric.weights[:, 1] * near)[yarn == j].sum() for j in (0, 1)])
+            sets.append({"table_rel": packed(near / np.where(total > 0.0, total, 1.0)[yarn], groups, lanes)})
+        defines = {**_defines(groups, lanes, True), "WEAVE": 1, "LANE_COUNT": lanes}
+        self._woven_view.make(schedule.view_size, levels, defines, inputs, record, sets)
 
     def _set_fabric(self, fabric: Fabric, pooled: bool, part: int | None) -> None:
         tangents = fabric.tangents
@@ -218,6 +236,16 @@ class Direct(Method):
         """How the tangents are packed (see `variants`)."""
         return _defines(*self._variant)
 
+    def woven_packing(self) -> tuple[int, int]:
+        """As `defines` says."""
+        return self._variant[:2]
+
+    def woven_inputs(self) -> dict[str, Any]:
+        """The tables of broad light, and which tangent counts how much in them."""
+        self._woven_made.get(lambda: self._make_woven_table(*self._view_of), *self._view_of, self._variant)
+        low, _, high = (packed(near, *self._variant[:2]) for near in _bins(self._view_of[0]))
+        return {"view_table": self._woven_view.texture, "slot_low": low, "slot_high": high}
+
     @staticmethod
     def variants() -> list[dict[str, Any]]:
         """All values that `defines` can take."""
@@ -244,7 +272,7 @@ class Direct(Method):
         """Free the GPU's memory."""
         for one in (self._node_data, self._entry_data, self._lobe_data):
             one.release()
-        for map in (self._pooled_light, self._broad_light, self._view):
+        for map in (self._pooled_light, self._broad_light, self._view, self._woven_view):
             map.release()
 
 
@@ -297,7 +325,8 @@ def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, 
 
 
 def _lobe_texels(tangents: tuple, lobes: tuple[Lobes, Lobes], k_d: tuple[float, float], count: int) -> np.ndarray:
-    """Nodes [tangents, 2 + count * LOBE_COLUMNS, 4] on the lobes of tangents (yarn, tilt, multiplicity, weight)."""
+    """Nodes [tangents, 2 + count * LOBE_COLUMNS, 4] on the lobes of tangents (yarn, tilt, multiplicity, weight,
+    number)."""
     data = np.zeros((max(len(tangents), 1), 2 + count * LOBE_COLUMNS, 4), "f4")
     for yarn in (0, 1):
         mine = [i for i, tangent in enumerate(tangents) if tangent[0] == yarn]
@@ -308,11 +337,20 @@ def _lobe_texels(tangents: tuple, lobes: tuple[Lobes, Lobes], k_d: tuple[float, 
         table[..., 2] *= 1.0 - k_d[yarn]
         for i, tilt, rows in zip(mine, tilts, table, strict=True):
             data[i, 0] = np.cos(tilt), np.sin(tilt), tangents[i][3], yarn
-            data[i, 1, :3] = *ends(tilt), lobes[yarn].width
+            data[i, 1] = *ends(tilt), lobes[yarn].width, tangents[i][4]
             data[i, 2:] = rows.reshape(-1, 4)
     if not tangents:
         data[0, 0], data[0, 1, :3] = (1.0, 0.0, 0.0, 0.0), (-np.pi / 2, np.pi / 2, 1.0)
     return data
+
+
+def _bins(fabric: Fabric) -> np.ndarray:
+    """[3, tangents]: how near each tilt is to the yarn's most negative one, to 0 and to the most positive; they add up to 1."""
+    tilt, yarn = np.array([t.tilt for t in fabric.tangents]), np.array([t.yarn for t in fabric.tangents])
+    top = np.array([np.abs(tilt[yarn == j]).max(initial=1e-9) for j in (0, 1)])
+    x = tilt / np.maximum(top, 1e-9)[yarn]
+    low, high = np.maximum(-x, 0.0), np.maximum(x, 0.0)
+    return np.stack([low, 1.0 - low - high, high])
 
 
 def _least_cosine(table: np.ndarray, sharpness: float) -> float:

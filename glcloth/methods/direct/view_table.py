@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import moderngl
@@ -26,7 +27,15 @@ class ViewTable:
         self._fixed_data = TextureBuffer(ctx, 1 << 16)
         self._chosen: Last[dict[str, Any]] = Last()
 
-    def make(self, size: int, levels: Levels, defines: dict[str, Any], inputs: Inputs, record: np.ndarray) -> None:
+    def make(
+        self,
+        size: int,
+        levels: Levels,
+        defines: dict[str, Any],
+        inputs: Inputs,
+        record: np.ndarray,
+        sets: Sequence[dict[str, Any]] = ({},),
+    ) -> None:
         """Make the table.
 
         Parameters
@@ -36,18 +45,23 @@ class ViewTable:
         defines : how the tangents are packed (Direct.variants)
         inputs : the method's uniforms and the nodes of its lobes
         record : how the nodes of the fixed rule see the lobes, [3, 4]: share kept, sharpness, log2 of the amplitude
+        sets : uniforms of each of several such tables, one behind the other
         """
         if not levels and self.texture is not None:
             return
         levels = levels or ((0, 1.0),)
         chosen = self._chosen.get(lambda: self._choose(levels), levels)
         blocks = chosen["block_count"]
-        if self.texture is None or self.texture.width != size or self.texture.layers < BLOCK * blocks:
-            self.texture = self._array(self.texture, size, BLOCK * blocks)
+        if self.texture is None or self.texture.width != size or self.texture.layers < BLOCK * blocks * len(sets):
+            self.texture = self._array(self.texture, size, BLOCK * blocks * len(sets))
         names = ("broad_kept", "broad_sharp", "broad_height")
         lobes = dict(zip(names, record, strict=True))
         program = programs(self.ctx).compute("passes/methods/view_table.comp", defines)
-        program.run((size, size, blocks), inputs, chosen, lobes, basis_map=self._basis_map, view_table=self.texture)
+        for number, own in enumerate(sets):
+            program.run(
+                (size, size, blocks), inputs, chosen, lobes, own,
+                first_layer=number * BLOCK * blocks, basis_map=self._basis_map, view_table=self.texture,
+            )  # fmt: skip
 
     def _choose(self, levels: Levels) -> dict[str, Any]:
         """Upload the directions' shares in light from between."""

@@ -1,9 +1,10 @@
 // The tangents of a fabric at one omega_o, and their terms at one omega_i, for the passes of method `direct`.   [Miz 4-6]
 //   sum_t R_t cos(theta_i) (f_rs + A_j f_rv),   R_t = w_t M_t P_t / Q
 // Defines: GROUPS, vec4s that hold the tangents; EACH_GROUP(F), that is F(0); F(1); ... F(GROUPS - 1); LANES, 1 for each
-// component of those vec4s that is in use. See docs/direct.md.
+// component of those vec4s that is in use; WEAVE and LANE_COUNT, their number, where a pixel sees `rel` of each. See docs/direct.md.
 #include "core/math.glsl"
 #include "direct/slots.glsl"
+#include "inputs/methods/rel.glsl"
 
 uniform vec4 mask_series;               // of g_of_cos, for sigma of shadowing and masking
 uniform float gap;                      // 1 - a_1 - a_2 in W's normaliser
@@ -109,6 +110,22 @@ void light_group(int g, vec3 omega_i, float weight) {
     volume[g] += front * F_t * F_t * (g_v + slot_k_d[g]);
 }
 
+#ifdef WEAVE
+vec4 sums;  // surface and volume terms, of yarn 0 and of yarn 1
+
+void sum_group(int g) {
+    vec4 s = surface[g] * slot_surface[g] * rel[g], v = volume[g] * rel[g];
+    float of_weft = dot(s, slot_yarn[g]);
+    sums += vec4(dot(s, vec4(1.0)) - of_weft, dot(v, slot_volume_0[g]), of_weft, dot(v, slot_volume_1[g]));
+}
+
+// The sums over the tangents of what `light_group` added; the yarns' colours are still to come.
+vec4 sum_tangents() {
+    sums = vec4(0.0);
+    EACH_GROUP(sum_group)
+    return sums;
+}
+#else
 vec3 sums;  // surface terms, volume terms of yarn 0 and of yarn 1
 
 void sum_group(int g) {
@@ -121,6 +138,7 @@ vec3 sum_tangents() {
     EACH_GROUP(sum_group)
     return sums.x + yarn_A[0] * sums.y + yarn_A[1] * sums.z;
 }
+#endif
 
 // Begins with one omega_o.
 void set_omega_o(vec3 omega_o) {

@@ -3,6 +3,8 @@
 #include "core/shared.glsl"
 #include "fibre/frame.glsl"
 #include "fibre/tangent.glsl"
+#include "inputs/methods/rel.glsl"
+#include "inputs/methods/threads.glsl"
 
 uniform samplerBuffer fabric_data;
 uniform ivec2 tangent_count;  // of yarn 0 and of yarn 1
@@ -43,10 +45,17 @@ vec3 f_cloth(vec3 omega_i, vec3 omega_o) {
         vec3 o = tangent_from_surface(omega_o, j, tangent.cos_tilt, tangent.sin_tilt);
         vec3 terms = tangent_terms(i, o, tangent.weight, eta, k_d, gamma_s, gamma_v, sigma_mask);
         Q += tangent.share * terms.x;
+#ifdef WEAVE
+        terms.yz *= rel_of(t);
+#endif
         terms_1 += j == 0 ? terms.yz : vec2(0.0);
         terms_2 += j == 0 ? vec2(0.0) : terms.yz;
         ++t;
     } while (t < last);
+#ifdef WEAVE
+    vec3 sum = woven(vec4(terms_1, terms_2), omega_i);
+#else
     vec3 sum = terms_1.x + terms_2.x + warp.A * terms_1.y + weft.A * terms_2.y;
+#endif
     return lit && Q > 0.0 ? sum / Q : vec3(0.0);
 }

@@ -12,10 +12,21 @@ uniform int fixed_count;
 uniform int block_count;
 uniform vec4 broad_kept, broad_sharp, broad_height;  // as entry_kept, ...
 
-mat4x3 c_0, c_1, c_2, c_3;  // of the block's directions
+uniform int first_layer;
+#ifdef WEAVE
+#define TABLE mat4
+#define SUMS vec4
+#define TEXEL(c) c
+uniform vec4 table_rel[GROUPS];  // which tangents, how much
+#else
+#define TABLE mat4x3
+#define SUMS vec3
+#define TEXEL(c) vec4(c, 0.0)
+#endif
+TABLE c_0, c_1, c_2, c_3;  // of the block's directions
 int block;
 
-void add(vec3 weight, vec4 b_0, vec4 b_1, vec4 b_2, vec4 b_3) {
+void add(SUMS weight, vec4 b_0, vec4 b_1, vec4 b_2, vec4 b_3) {
     c_0 += outerProduct(weight, b_0);
     c_1 += outerProduct(weight, b_1);
     c_2 += outerProduct(weight, b_2);
@@ -24,7 +35,7 @@ void add(vec3 weight, vec4 b_0, vec4 b_1, vec4 b_2, vec4 b_3) {
 
 vec4 basis(vec2 place, int i) { return textureLod(basis_map, vec3(place, float(4 * block + i)), 0.0); }
 
-void add_node(vec3 omega, vec3 weight) {
+void add_node(vec3 omega, SUMS weight) {
     float size = float(textureSize(basis_map, 0).x);
     vec2 place = 0.5 + (0.5 - 0.5 / size) * to_disk(omega);
     add(weight, basis(place, 0), basis(place, 1), basis(place, 2), basis(place, 3));
@@ -66,14 +77,17 @@ void main() {
     block = at.z;
     vec3 omega_o = from_disk(p);
     omega_o = normalize(vec3(omega_o.xy, max(omega_o.z, 1e-3)));
-    c_0 = c_1 = c_2 = c_3 = mat4x3(0.0);
+    c_0 = c_1 = c_2 = c_3 = TABLE(0.0);
+#ifdef WEAVE
+    rel = table_rel;
+#endif
     set_omega_o(omega_o);
     visit_fixed(omega_o.z);
     visit_lobes(omega_o);
     for (int i = 0; i < 4; ++i) {
-        imageStore(view_table, ivec3(at.xy, 16 * block + i), vec4(c_0[i], 0.0));
-        imageStore(view_table, ivec3(at.xy, 16 * block + 4 + i), vec4(c_1[i], 0.0));
-        imageStore(view_table, ivec3(at.xy, 16 * block + 8 + i), vec4(c_2[i], 0.0));
-        imageStore(view_table, ivec3(at.xy, 16 * block + 12 + i), vec4(c_3[i], 0.0));
+        imageStore(view_table, ivec3(at.xy, first_layer + 16 * block + i), TEXEL(c_0[i]));
+        imageStore(view_table, ivec3(at.xy, first_layer + 16 * block + 4 + i), TEXEL(c_1[i]));
+        imageStore(view_table, ivec3(at.xy, first_layer + 16 * block + 8 + i), TEXEL(c_2[i]));
+        imageStore(view_table, ivec3(at.xy, first_layer + 16 * block + 12 + i), TEXEL(c_3[i]));
     }
 }

@@ -1,0 +1,109 @@
+"""The maps that show threads near by, on the GPU: what inputs/methods/weave.glsl reads of a fabric with a weave."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+import numpy as np
+from OpenGL import GL
+
+from ..fabric import Fabric
+from ..gpu.memo import Last
+from ..weave.maps import Maps, mip_levels
+from ..weave.tile import tile_size
+
+FAR_YARNS = 4.0  # yarns in a pixel, or one repeat if that is more, from which on it shows none
+
+
+def repeat_of(fabric: Fabric) -> tuple[float, float]:
+    """Metres along u and v after which structure and colours repeat."""
+    assert fabric.weave is not None
+    picks, ends = fabric.weave.drafted.structure
+    if (colors := fabric.weave.thread_colors) is not None:
+        ends, picks = int(np.lcm(ends, len(colors[0]))), int(np.lcm(picks, len(colors[1])))
+    return 0.01 * picks / fabric.weave.picks_per_cm, 0.01 * ends / fabric.weave.ends_per_cm
+
+
+def far_footprint(fabric: Fabric) -> float:
+    """Metres: a pixel that covers so much of the cloth, on its shorter side, shows no thread and no pattern of threads."""
+    assert fabric.weave is not None
+    yarn = 0.01 / min(fabric.weave.ends_per_cm, fabric.weave.picks_per_cm)
+    return max(FAR_YARNS * yarn, *repeat_of(fabric))
+
+
+class WeaveMaps:
+    """Textures of one repeat of a fabric's weave, with mip levels whose means are those of the whole."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self._made: Last[dict[str, Any]] = Last()
+        self._textures: list[moderngl.TextureArray] = []
+
+    def inputs(self, fabric: Fabric, groups: int, lanes: int) -> dict[str, Any]:
+        """The maps of a fabric, its tangents packed by so many to a vec4."""
+        return self._made.get(lambda: self._make(fabric, groups, lanes), fabric, groups, lanes)
+
+    def _make(self, fabric: Fabric, groups: int, lanes: int) -> dict[str, Any]:
+        assert fabric.weave is not None
+        self.release()
+        maps = fabric_maps(fabric)
+        layers = np.zeros((groups + 1, 4, *maps.hole.shape), np.float32)
+        for t, rel in enumerate(maps.rel):
+            layers[t // lanes, t % lanes] = rel
+        layers[groups, :2] = maps.roll
+        colored = fabric.weave.color_map(maps)
+        colors, size = (np.zeros((2, 1, 1, 4)), (1.0, 1.0)) if colored is None else colored
+        self._textures = [self._array(layers), self._array(np.moveaxis(colors, -1, 1))]
+        yarn = np.array([tangent.yarn for tangent in fabric.tangents])
+        return {
+            "weave_map": self._textures[0],
+            "color_map": self._textures[1],
+            "colored": colored is not None,
+            "weave_repeats": (1.0 / maps.size[0], 1.0 / maps.size[1]),
+            "color_repeats": (1.0 / size[0], 1.0 / size[1]),
+            "weave_share": packed(fabric.weights[:, 1], groups, lanes),
+            "weave_yarn": packed(yarn, groups, lanes),
+            "weave_A": np.array([y.albedo for y in fabric.yarn], "f4"),
+            "roll": fabric.weave.roll,
+        }
+
+    def _array(self, layers: np.ndarray) -> moderngl.TextureArray:
+        """A texture array of half floats of layers [N, 4, H, W]; its levels are made here, for drivers round them down."""
+        count, _, height, width = layers.shape
+        texture = self.ctx.texture_array((width, height, count), 4, dtype="f2")
+        texture.build_mipmaps()  # makes room
+        texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, texture.glo)
+        for level, means in enumerate(mip_levels(layers)):
+            data = np.ascontiguousarray(np.moveaxis(means, 1, -1), "f2")
+            size = (data.shape[2], data.shape[1], count)
+            GL.glTexSubImage3D(
+                GL.GL_TEXTURE_2D_ARRAY, level, 0, 0, 0, *size, GL.GL_RGBA, GL.GL_HALF_FLOAT, data.tobytes()
+            )
+        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, 0)
+        return texture
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        for texture in self._textures:
+            texture.release()
+        self._textures = []
+
+
+def fabric_maps(fabric: Fabric) -> Maps:
+    """The maps of a fabric's tangents in their order."""
+    assert fabric.weave is not None
+    yarn = np.array([tangent.yarn for tangent in fabric.tangents])
+    tilt = np.degrees([tangent.tilt for tangent in fabric.tangents])
+    of_yarn = [yarn == j for j in (0, 1)]
+    weights = [fabric.weights[mine, 1] for mine in of_yarn]
+    size = tile_size(*fabric.weave.drafted.structure)
+    return fabric.weave.maps([tilt[mine] for mine in of_yarn], weights, size, np.float32)
+
+
+def packed(values: np.ndarray, groups: int, lanes: int) -> np.ndarray:
+    """Values of tangents as `groups` vec4s that hold `lanes` each, the rest 0."""
+    out = np.zeros(groups * lanes, "f4")
+    out[: len(values)] = values
+    return np.ascontiguousarray(np.pad(out.reshape(groups, lanes), ((0, 0), (0, 4 - lanes))))

@@ -1,0 +1,118 @@
+"""Threads near by: which pixels of a cloth show them, and what their program reads beside that of the others.   [own]"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ..fabric import Fabric
+from ..geometry.mesh import Mesh
+from ..gpu.buffers import TextureBuffer
+from ..gpu.gbuffer import GBuffer, MeshBuffers
+from ..gpu.memo import Last
+from ..gpu.programs import programs
+from ..methods.method import Method
+from ..methods.weave_maps import WeaveMaps, far_footprint
+from ..progress import warn
+from .frame import Frame
+
+METRES = (0.75, 1.33)  # metres a UV unit that are taken for one: such UVs are metres, on a cloth that is stretched
+
+
+class Threads:
+    """The threads of one cloth.
+
+    A pixel that covers more than a repeat of the weave, and more than four yarns, shows none; `shown` says whether a
+    frame may have others. These have a program of their own, whose mean is that of the far cloth.
+    """
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self.shown = False
+        self._maps = WeaveMaps(ctx)
+        self._uv = TextureBuffer(ctx, 16)
+        self._written: Last[None] = Last()
+        self._scale: Last[float] = Last()
+        self._warned: Last[None] = Last()
+        self._buffers: MeshBuffers
+        self._fabric: Fabric
+
+    def prepare(self, fabric: Fabric, method: Method, buffers: MeshBuffers, frame: Frame) -> None:
+        """Take a frame; cheap where nothing changed, and where none of its pixels can show threads."""
+        self.shown = False
+        mesh, scene = buffers.mesh, frame.scene
+        if fabric.weave is None or mesh.uv is None:
+            return
+        if least_footprint(frame, buffers) >= far_footprint(fabric):
+            return
+        if not method.shows_threads:
+            self._warned.get(
+                lambda: warn(f"method {scene.method}: shows cloth as it is from afar, without threads"), method
+            )
+            return
+        scale = scene.uv_scale or self._scale.get(lambda: guessed_scale(mesh), mesh)
+        self._written.get(lambda: self._write(mesh, scale), mesh, scale)
+        self._buffers, self._fabric, self.shown = buffers, fabric, True
+
+    def _write(self, mesh: Mesh, scale: float) -> None:
+        assert mesh.uv is not None
+        uv = np.zeros((len(mesh.uv), 4), "f4")
+        uv[:, :2] = scale * np.asarray(mesh.uv, float)
+        self._uv.write(uv)
+
+    def _inputs(self, buffer: GBuffer) -> dict[str, Any]:
+        """What inputs/picture/pixel_uv.glsl reads beside the G-buffer."""
+        assert buffer.drawn is not None
+        mesh = self._buffers
+        return {
+            "thread_points": mesh.vertices,
+            "thread_corners": mesh.indices,
+            "thread_uv": self._uv,
+            "eye": buffer.drawn.camera.eye,
+        }
+
+    def choose(self, buffer: GBuffer, near: bool) -> moderngl.Framebuffer:
+        """The picture of a G-buffer, where only the pixels that show threads are covered, or only the others."""
+        key = buffer.drawn, self._uv, self._scale.value, self._fabric.weave
+        return buffer.part(near, lambda target: self._draw(target, buffer, near), *key)
+
+    def _draw(self, target: moderngl.Framebuffer, buffer: GBuffer, near: bool) -> None:
+        program = programs(self.ctx).screen("passes/picture/near.frag")
+        own = {"far_footprint": far_footprint(self._fabric), "wants_near": near, "depth": buffer.depth}
+        buffer.choose(target, program, self._inputs(buffer), own)
+
+    def defines(self, method: Method) -> dict[str, Any]:
+        """Constants of the program for pixels that show threads, beside the method's own."""
+        groups, lanes = method.woven_packing()
+        return {**method.defines(), "WEAVE": 1, "GROUPS": groups, "LANE_COUNT": lanes}
+
+    def inputs(self, method: Method, buffer: GBuffer) -> dict[str, Any]:
+        """What that program reads, beside the method's inputs."""
+        maps = self._maps.inputs(self._fabric, *method.woven_packing())
+        return {**self._inputs(buffer), **maps, **method.woven_inputs()}
+
+
+def least_footprint(frame: Frame, buffers: MeshBuffers) -> float:
+    """Metres of cloth that a pixel covers at least on its shorter side, wherever the mesh may be in its box."""
+    eye, (width, height) = np.asarray(frame.camera.eye), frame.scene.size
+    distance = float(np.linalg.norm(np.maximum(np.maximum(buffers.low - eye, eye - buffers.high), 0.0)))
+    rays = frame.camera.ray_from_pixel((width, height))
+    corners = rays @ np.array([[x, y, 1.0] for x in (0, width) for y in (0, height)]).T
+    # A ray at the picture's corner is longer, and its pixel, seen along it, smaller.
+    return distance * float(np.linalg.norm(rays[:, :2], axis=0).min() / (corners**2).sum(0).max())
+
+
+def guessed_scale(mesh: Mesh) -> float:
+    """Metres a UV unit, from areas; 1 where UVs are metres already, else with a warning."""
+    assert mesh.uv is not None
+    p, t = np.asarray(mesh.positions, float)[mesh.triangles], np.asarray(mesh.uv, float)[mesh.triangles]
+    area = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1).sum()
+    a, b = t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]
+    in_uv = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum()
+    scale = float(np.sqrt(area / in_uv)) if in_uv > 0.0 and area > 0.0 else 1.0
+    if METRES[0] <= scale <= METRES[1]:
+        return 1.0
+    warn(f"{mesh.name}: its UVs are no metres; a UV unit is taken for {scale:.3g} m, uv_scale says another")
+    return scale

@@ -1,0 +1,33 @@
+// What a pixel covers of a pattern that lies on a surface, and how a map of it is averaged there.   [own]
+// Twin: glcloth/twins/footprint.py
+
+// How far the place where the ray of direction d meets a plane of normal n moves when d changes by `change`; t: of the place,
+// in lengths of d.   [own]
+vec3 place_step(vec3 d, vec3 change, vec3 n, float t) {
+    float facing = dot(n, d), least = 0.01 * length(d);
+    // Where the plane is seen from its edge the place runs away; no pixel shows that.
+    facing = facing < 0.0 ? min(facing, -least) : max(facing, least);
+    return t * (change - d * (dot(n, change) / facing));
+}
+
+// How much the coordinates that a triangle interpolates change along a step in its plane; `to_b`, `to_c`: from its first corner
+// to the others, uv_b and uv_c: how much the coordinates change on these ways.   [own]
+vec2 uv_step(vec3 way, vec3 to_b, vec3 to_c, vec2 uv_b, vec2 uv_c) {
+    vec3 n = cross(to_b, to_c);
+    float n2 = max(dot(n, n), 1e-30);
+    return uv_b * (dot(cross(way, to_c), n) / n2) + uv_c * (dot(cross(to_b, way), n) / n2);
+}
+
+// (taps, level): how many places on the longer side of a pixel a map is read at, and in which of its mip levels; x and y: sides
+// of the pixel in texels. Own taps, because software rasterisers filter anisotropically from wrong texels.   [own]
+vec2 taps_and_level(vec2 x, vec2 y, float most) {
+    float a = length(x), b = length(y);
+    float longer = max(a, b), shorter = max(min(a, b), 1.0);
+    float taps = clamp(ceil(longer / shorter - 0.1), 1.0, most);
+    return vec2(taps, log2(max(longer / taps, shorter)));
+}
+
+// How far the sides of warp and weft, across v and across u, turn to light from omega: -1..1.   [own, facts-weave 3]
+vec2 lean(vec3 omega) {
+    return clamp(omega.yx / (max(omega.z, 0.0) + 0.35), -1.0, 1.0);
+}

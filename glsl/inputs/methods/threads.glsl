@@ -1,0 +1,4 @@
+// Cloth from afar: its sums over tangents are colours. inputs/methods/weave.glsl stands for this file, by the same name, where
+// a pixel shows threads: then they are (surface, volume) of warp and of weft, whose colours and roll come last.
+#define SUMS vec3
+#define COLORED(sums, omega) sums

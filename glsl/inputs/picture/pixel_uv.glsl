@@ -1,0 +1,31 @@
+// Where on its threads a pixel lies: UVs in metres, and how they change from pixel to pixel.   [own]
+#include "core/footprint.glsl"
+#include "inputs/picture/gbuffer.glsl"
+#include "inputs/picture/gbuffer_point.glsl"
+
+uniform samplerBuffer thread_points;    // of the mesh, three texels a vertex: the first is the position
+uniform isamplerBuffer thread_corners;  // three a triangle
+uniform samplerBuffer thread_uv;        // of each vertex, metres
+uniform vec3 eye;
+
+struct PixelUv {
+    vec2 uv;
+    vec2 x, y;  // change to the next pixel of the row, of the column
+};
+
+PixelUv pixel_uv(ivec2 pixel) {
+    int number = triangle_at(pixel);
+    int i = texelFetch(thread_corners, 3 * number).x, j = texelFetch(thread_corners, 3 * number + 1).x;
+    int k = texelFetch(thread_corners, 3 * number + 2).x;
+    vec3 a = texelFetch(thread_points, 3 * i).xyz;
+    vec3 b = texelFetch(thread_points, 3 * j).xyz - a, c = texelFetch(thread_points, 3 * k).xyz - a;
+    vec2 uv = texelFetch(thread_uv, i).xy;
+    vec2 uv_b = texelFetch(thread_uv, j).xy - uv, uv_c = texelFetch(thread_uv, k).xy - uv;
+    vec3 w = weights_at(pixel);
+    vec3 d = ray_from_pixel * vec3(vec2(pixel) + 0.5, 1.0);
+    float t = length(a + w.y * b + w.z * c - eye) / length(d);
+    vec3 n = cross(b, c);
+    n *= inversesqrt(max(dot(n, n), 1e-30));
+    vec3 x = place_step(d, ray_from_pixel[0], n, t), y = place_step(d, ray_from_pixel[1], n, t);
+    return PixelUv(uv + w.y * uv_b + w.z * uv_c, uv_step(x, b, c, uv_b, uv_c), uv_step(y, b, c, uv_b, uv_c));
+}
