@@ -48,24 +48,22 @@ class WeaveMaps:
         assert fabric.weave is not None
         self.release()
         maps = fabric_maps(fabric)
-        layers = np.zeros((groups + 1, 4, *maps.hole.shape), np.float32)
-        for t, rel in enumerate(maps.rel):
-            layers[t // lanes, t % lanes] = rel
-        layers[groups, :2] = maps.roll
+        layers = np.zeros((2, groups, 4, *maps.hole.shape), np.float32)
+        side = fabric.weave.roll * maps.roll / np.where(maps.share > 0.0, maps.share, 1.0)
+        for t, (tangent, rel) in enumerate(zip(fabric.tangents, maps.rel, strict=True)):
+            layers[0, t // lanes, t % lanes] = rel
+            layers[1, t // lanes, t % lanes] = rel * side[tangent.yarn]
+        layers = layers.reshape(-1, *layers.shape[2:])
         colored = fabric.weave.color_map(maps)
         colors, size = (np.zeros((2, 1, 1, 4)), (1.0, 1.0)) if colored is None else colored
         self._textures = [self._array(layers), self._array(np.moveaxis(colors, -1, 1))]
-        yarn = np.array([tangent.yarn for tangent in fabric.tangents])
         return {
             "weave_map": self._textures[0],
             "color_map": self._textures[1],
             "colored": colored is not None,
             "weave_repeats": (1.0 / maps.size[0], 1.0 / maps.size[1]),
             "color_repeats": (1.0 / size[0], 1.0 / size[1]),
-            "weave_share": packed(fabric.weights[:, 1], groups, lanes),
-            "weave_yarn": packed(yarn, groups, lanes),
             "weave_A": np.array([y.albedo for y in fabric.yarn], "f4"),
-            "roll": fabric.weave.roll,
         }
 
     def _array(self, layers: np.ndarray) -> moderngl.TextureArray:

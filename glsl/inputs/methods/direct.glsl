@@ -106,7 +106,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
             vec4 rule = fetch_node(node, entry.column, entry.between);
             light_at(node_direction(entry, rule.xyz), rule.w, cos_o);
         } while (++node < entry.last);
-        L += entry.light * (exp(mean.w) * V_number(entry.V)) * COLORED(sum_tangents(), entry.xi);
+        L += entry.light * (exp(mean.w) * V_number(entry.V)) * IN_LIGHT(sum_tangents(), entry.xi);
         k = entry_after(k, N);
     } while (k < entry_counts.x);
     // Rules of one node, which is the mean.
@@ -115,7 +115,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
         vec4 mean = fetch_node(entry.last, entry.column, entry.between);
         EACH_GROUP(aim_group_at_node)
         light_at(node_direction(entry, mean.xyz), 1.0, cos_o);
-        L += entry.light * (exp(mean.w) * V_number(entry.V)) * COLORED(sum_tangents(), entry.xi);
+        L += entry.light * (exp(mean.w) * V_number(entry.V)) * IN_LIGHT(sum_tangents(), entry.xi);
         k = entry_after(k, N);
     } while (k < entry_counts.y);
     return L;
@@ -128,22 +128,23 @@ vec3 L_broad(vec3 omega_o, mat3 surface_from_world) {
     vec2 place = 0.5 + (0.5 - 0.5 / float(textureSize(view_table, 0).x)) * to_disk(omega_o);
 #ifdef WEAVE
     // Terms that are not of one tangent but of those of like tilt, by what is seen of these.
-    vec2 all = vec2(0.0), low = vec2(0.0), high = vec2(0.0);
+    vec4 low = vec4(0.0), middle = vec4(0.0), high = vec4(0.0);  // of warp and weft, then of their turns
     for (int g = 0; g < GROUPS; ++g) {
-        vec4 w = weave_share[g] * rel[g], weft = weave_yarn[g], warp = 1.0 - weft;
-        all += vec2(dot(w, warp), dot(w, weft));
-        low += vec2(dot(w * slot_low[g], warp), dot(w * slot_low[g], weft));
-        high += vec2(dot(w * slot_high[g], warp), dot(w * slot_high[g], weft));
+        vec4 weft = slot_yarn[g] * slot_share[g], warp = slot_share[g] - weft;
+        mat4 w = mat4(rel[g] * warp, rel[g] * weft, turn[g] * warp, turn[g] * weft);
+        low += slot_low[g] * w;
+        high += slot_high[g] * w;
+        middle += (1.0 - slot_low[g] - slot_high[g]) * w;
     }
-    vec4 middle = (all - low - high).xxyy;
 #endif
     int j = 0;
     do {
         vec3 omega = texelFetch(node_data, broad_nodes.x + j).xyz;
 #ifdef WEAVE
-        vec3 f = woven(textureLod(view_table, vec3(place, float(j)), 0.0) * low.xxyy
-            + textureLod(view_table, vec3(place, float(j + broad_nodes.y)), 0.0) * middle
-            + textureLod(view_table, vec3(place, float(j + 2 * broad_nodes.y)), 0.0) * high.xxyy, omega);
+        vec2 side = lean(omega);
+        vec3 f = COLORED(textureLod(view_table, vec3(place, float(j)), 0.0) * (low.xy + side * low.zw).xxyy
+            + textureLod(view_table, vec3(place, float(j + broad_nodes.y)), 0.0) * (middle.xy + side * middle.zw).xxyy
+            + textureLod(view_table, vec3(place, float(j + 2 * broad_nodes.y)), 0.0) * (high.xy + side * high.zw).xxyy);
 #else
         vec3 f = textureLod(view_table, vec3(place, float(j)), 0.0).rgb;
 #endif
@@ -158,7 +159,7 @@ mat3 world;  // surface_from_world
 vec3 L_pooled;
 
 void add_node(vec3 omega, SUMS weight) {
-    L_pooled += COLORED(weight, omega) * map_radiance(pooled_light, omega * world) * V_broad(omega);
+    L_pooled += COLORED(weight) * map_radiance(pooled_light, omega * world) * V_broad(omega);
 }
 #include "inputs/methods/direct_lobes.glsl"
 

@@ -12,9 +12,10 @@ uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta
 uniform vec2 phi_rule[MAX_PHI_PAIRS];   // nodes > 0 and weights of a Gauss-Legendre rule on -1..1
 uniform vec2 yarn_F_0;
 #ifdef WEAVE
-#define NODE(s, v) (first_yarn ? vec4(s, v, 0.0, 0.0) : vec4(0.0, 0.0, s, v))
+#define NODE(s, v, omega) node_sums(vec2(s, v) * seen_of(int(domain.w), int(head.w), omega), first_yarn)
+vec4 node_sums(vec2 terms, bool first_yarn) { return first_yarn ? vec4(terms, 0.0, 0.0) : vec4(0.0, 0.0, terms); }
 #else
-#define NODE(s, v) s + A * v
+#define NODE(s, v, omega) s + A * v
 #endif
 
 void visit_lobes(vec3 omega_o) {
@@ -25,9 +26,6 @@ void visit_lobes(vec3 omega_o) {
         vec4 domain = texelFetch(lobe_data, p * stride + 1);  // low, high, width, number
         bool first_yarn = head.w == 0.0;
         float ca = head.x, sa = head.y;
-#ifdef WEAVE
-        head.z *= rel_of(int(domain.w));
-#endif
         vec2 o = first_yarn ? omega_o.xy : vec2(omega_o.y, -omega_o.x);  // along, across
         float t_o = o.x * ca - omega_o.z * sa, n_o = o.x * sa + omega_o.z * ca;
         float c2_o = max(1.0 - t_o * t_o, 1e-7), inv_o = inversesqrt(c2_o), c_o = c2_o * inv_o;
@@ -85,8 +83,8 @@ void visit_lobes(vec3 omega_o) {
                 vec2 R = rule.y / cp * P_t * f[0] / vec2(Q_1, Q), F_r = f[1], cos_half_phi_d = f[2];
                 vec2 r_s = front * lobe.y * R * F_r * cos_half_phi_d;
                 vec2 r_v = front_v * lobe.z * R * (1.0 - F_r) * (1.0 - F_r);
-                add_node(omega_1, NODE(r_s.x, r_v.x));
-                add_node(omega_2, NODE(r_s.y, r_v.y));
+                add_node(omega_1, NODE(r_s.x, r_v.x, omega_1));
+                add_node(omega_2, NODE(r_s.y, r_v.y, omega_2));
             } while (++pair < pool_counts.z);
         } while (++row < pool_counts.y);
     } while (++p < pool_counts.x);

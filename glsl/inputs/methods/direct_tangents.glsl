@@ -111,17 +111,22 @@ void light_group(int g, vec3 omega_i, float weight) {
 }
 
 #ifdef WEAVE
-vec4 sums;  // surface and volume terms, of yarn 0 and of yarn 1
+vec4 sums, turned;  // surface and volume terms, of yarn 0 and of yarn 1: times rel, and times turn
+
+vec4 sums_of_group(int g, vec4 factor) {
+    vec4 s = surface[g] * slot_surface[g] * factor, v = volume[g] * factor;
+    float of_weft = dot(s, slot_yarn[g]);
+    return vec4(dot(s, vec4(1.0)) - of_weft, dot(v, slot_volume_0[g]), of_weft, dot(v, slot_volume_1[g]));
+}
 
 void sum_group(int g) {
-    vec4 s = surface[g] * slot_surface[g] * rel[g], v = volume[g] * rel[g];
-    float of_weft = dot(s, slot_yarn[g]);
-    sums += vec4(dot(s, vec4(1.0)) - of_weft, dot(v, slot_volume_0[g]), of_weft, dot(v, slot_volume_1[g]));
+    sums += sums_of_group(g, rel[g]);
+    turned += sums_of_group(g, turn[g]);
 }
 
 // The sums over the tangents of what `light_group` added; the yarns' colours are still to come.
 vec4 sum_tangents() {
-    sums = vec4(0.0);
+    sums = turned = vec4(0.0);
     EACH_GROUP(sum_group)
     return sums;
 }

@@ -1,4 +1,5 @@
 // Cloth from afar: its sums over tangents are colours. inputs/methods/weave.glsl stands for this file, by the same name, where
-// a pixel shows threads: then they are (surface, volume) of warp and of weft, whose colours and roll come last.
+// a pixel shows threads: then they are (surface, volume) of warp and of weft, whose colours come last.
 #define SUMS vec3
-#define COLORED(sums, omega) sums
+#define IN_LIGHT(sums, omega) sums
+#define COLORED(sums) sums

@@ -46,14 +46,14 @@ vec3 f_cloth(vec3 omega_i, vec3 omega_o) {
         vec3 terms = tangent_terms(i, o, tangent.weight, eta, k_d, gamma_s, gamma_v, sigma_mask);
         Q += tangent.share * terms.x;
 #ifdef WEAVE
-        terms.yz *= rel_of(t);
+        terms.yz *= seen_of(t, j, omega_i);
 #endif
         terms_1 += j == 0 ? terms.yz : vec2(0.0);
         terms_2 += j == 0 ? vec2(0.0) : terms.yz;
         ++t;
     } while (t < last);
 #ifdef WEAVE
-    vec3 sum = woven(vec4(terms_1, terms_2), omega_i);
+    vec3 sum = COLORED(vec4(terms_1, terms_2));
 #else
     vec3 sum = terms_1.x + terms_2.x + warp.A * terms_1.y + weft.A * terms_2.y;
 #endif

@@ -79,7 +79,8 @@ void main() {
     omega_o = normalize(vec3(omega_o.xy, max(omega_o.z, 1e-3)));
     c_0 = c_1 = c_2 = c_3 = TABLE(0.0);
 #ifdef WEAVE
-    rel = table_rel;
+#define SET_REL(g) rel[g] = table_rel[g], turn[g] = vec4(0.0)
+    EACH_GROUP(SET_REL)
 #endif
     set_omega_o(omega_o);
     visit_fixed(omega_o.z);
