@@ -32,6 +32,10 @@ def far_footprint(fabric: Fabric) -> float:
     return max(FAR_YARNS * yarn, *repeat_of(fabric))
 
 
+STRANDS = 6.0, 12.0  # across a yarn, and their length over their width
+NOISE = 256  # texels a side
+
+
 class WeaveMaps:
     """Textures of one repeat of a fabric's weave, with mip levels whose means are those of the whole."""
 
@@ -39,6 +43,7 @@ class WeaveMaps:
         self.ctx = ctx
         self._made: Last[dict[str, Any]] = Last()
         self._textures: list[moderngl.TextureArray] = []
+        self._noise = _noise(ctx)
 
     def inputs(self, fabric: Fabric, groups: int, lanes: int) -> dict[str, Any]:
         """The maps of a fabric, its tangents packed by so many to a vec4."""
@@ -57,12 +62,17 @@ class WeaveMaps:
         colored = fabric.weave.color_map(maps)
         colors, size = (np.zeros((2, 1, 1, 4)), (1.0, 1.0)) if colored is None else colored
         self._textures = [self._array(layers), self._array(np.moveaxis(colors, -1, 1))]
+        loose, twist = fabric.weave.irregularity, np.radians(fabric.weave.twist_deg)
         return {
             "weave_map": self._textures[0],
             "color_map": self._textures[1],
             "colored": colored is not None,
             "weave_repeats": (1.0 / maps.size[0], 1.0 / maps.size[1]),
             "color_repeats": (1.0 / size[0], 1.0 / size[1]),
+            "noise_map": self._noise,
+            "yarns": (100.0 * fabric.weave.picks_per_cm, 100.0 * fabric.weave.ends_per_cm),
+            "irregular": (loose.shift, loose.length, loose.yarn, loose.fibre),
+            "fibres": (*STRANDS, -np.tan(twist[0]), np.tan(twist[1])),
             "weave_A": np.array([y.albedo for y in fabric.yarn], "f4"),
         }
 
@@ -87,6 +97,16 @@ class WeaveMaps:
         for texture in self._textures:
             texture.release()
         self._textures = []
+
+
+def _noise(ctx: moderngl.Context) -> moderngl.Texture:
+    """Four independent values of mean 0 and deviation 1 a texel."""
+    values = np.random.default_rng(3).normal(size=(NOISE, NOISE, 4)).clip(-2.0, 2.0)
+    values = (values - values.mean((0, 1))) / values.std((0, 1))
+    noise = ctx.texture((NOISE, NOISE), 4, values.astype("f2").tobytes(), dtype="f2")
+    noise.build_mipmaps()
+    noise.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+    return noise
 
 
 def fabric_maps(fabric: Fabric) -> Maps:

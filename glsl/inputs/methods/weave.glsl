@@ -14,7 +14,13 @@ uniform bool colored;                // whether threads have colours of their ow
 uniform vec2 weave_repeats, color_repeats;  // 1/m, along u and v
 uniform vec3 weave_A[2];
 
+uniform sampler2D noise_map;
+uniform vec2 yarns;       // picks and ends of a metre
+uniform vec4 irregular;   // yarns: how far yarns wander, and along how many; deviation of the light of single yarns, of fibres
+uniform vec4 fibres;      // strands across a yarn, their length over their width; sideways way of fibres along warp and weft
+
 vec3 pixel_A[2];
+vec4 strands;  // by how much surface and volume terms of warp and weft are brighter
 
 void fetch_colors(PixelUv at) {
     pixel_A[0] = weave_A[0];
@@ -34,8 +40,35 @@ void fetch_colors(PixelUv at) {
     pixel_A[1] = weft.a > 1e-4 ? weft.rgb / weft.a : weave_A[1];
 }
 
+// -- irregularity: every factor has the mean 1, and wandering yarns wander alike wherever they are in the repeat ------------
+
+// Four values of mean 0 and deviation 1; `at`: in texels, x and y: how that changes to the next pixels.
+vec4 noise(vec2 at, vec2 x, vec2 y) {
+    return textureLod(noise_map, at / float(textureSize(noise_map, 0).x), taps_and_level(x, y, 1.0).y);
+}
+
+// The change of UVs, in yarns, where yarns wander; sets `strands`.
+PixelUv wandered(PixelUv at) {
+    vec2 q = at.uv * yarns, x = at.x * yarns, y = at.y * yarns;
+    // Across the yarns a texel is no yarn, so that the noise does not run in step with them: that would shift the mean.
+    vec2 s = vec2(1.0 / irregular.y, 0.763);
+    q += irregular.x * vec2(noise(q.yx * s + 95.0, x.yx * s, y.yx * s).x, noise(q * s, x * s, y * s).x);
+    s = vec2(0.125 / irregular.y, 1.0);
+    vec2 light = vec2(noise(q * s + vec2(28.3, 0.0), x * s, y * s).y, noise(q.yx * s + vec2(181.3, 0.0), x.yx * s, y.yx * s).y);
+    mat2 to_warp = mat2(1.0, -fibres.z, 0.0, 1.0), to_weft = mat2(-fibres.w, 1.0, 1.0, 0.0);  // twisted: (along, across)
+    s = vec2(fibres.x / fibres.y, fibres.x);
+    vec2 strand = vec2(noise(to_warp * q * s, to_warp * x * s, to_warp * y * s).z,
+        noise(to_weft * q * s + 128.5, to_weft * x * s, to_weft * y * s).z);
+    s *= 3.7;
+    strand += vec2(noise(to_warp * q * s + 31.5, to_warp * x * s, to_warp * y * s).w,
+        noise(to_weft * q * s + 77.5, to_weft * x * s, to_weft * y * s).w);
+    strand *= 0.707 * irregular.w;
+    strands = (1.0 + irregular.z * light).xxyy * (1.0 + strand.xxyy * vec4(1.0, 0.4, 1.0, 0.4));
+    return PixelUv(q / yarns, at.x, at.y);
+}
+
 void fetch_weave(ivec2 pixel) {
-    PixelUv at = pixel_uv(pixel);
+    PixelUv at = wandered(pixel_uv(pixel));
     vec2 x = at.x * weave_repeats, y = at.y * weave_repeats, size = vec2(textureSize(weave_map, 0).xy);
     vec2 taps = taps_and_level(x * size, y * size, MOST_TAPS);
     vec2 way = dot(x * size, x * size) > dot(y * size, y * size) ? x : y;
@@ -53,5 +86,6 @@ void fetch_weave(ivec2 pixel) {
 
 // The colour of sums of surface and volume terms, of warp and of weft.
 vec3 woven(vec4 sums) {
+    sums *= strands;
     return sums.x + pixel_A[0] * sums.y + sums.z + pixel_A[1] * sums.w;
 }
