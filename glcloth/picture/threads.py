@@ -37,6 +37,7 @@ class Threads:
         self._scale: Last[float] = Last()
         self._warned: Last[None] = Last()
         self._buffers: MeshBuffers
+        self._in_metres, self._far = 1.0, 0.0
         self._fabric: Fabric
 
     def prepare(self, fabric: Fabric, method: Method, buffers: MeshBuffers, frame: Frame) -> None:
@@ -45,15 +46,16 @@ class Threads:
         mesh, scene = buffers.mesh, frame.scene
         if fabric.weave is None or mesh.uv is None:
             return
-        if least_footprint(frame, buffers) >= far_footprint(fabric):
+        self._far = far_footprint(fabric)
+        if least_footprint(frame, buffers) >= self._far:
             return
         if not method.shows_threads:
             self._warned.get(
                 lambda: warn(f"method {scene.method}: shows cloth as it is from afar, without threads"), method
             )
             return
-        scale = scene.uv_scale or self._scale.get(lambda: guessed_scale(mesh), mesh)
-        self._written.get(lambda: self._write(mesh, scale), mesh, scale)
+        self._in_metres = scene.uv_scale or self._scale.get(lambda: guessed_scale(mesh), mesh)
+        self._written.get(lambda: self._write(mesh, self._in_metres), mesh, self._in_metres)
         self._buffers, self._fabric, self.shown = buffers, fabric, True
 
     def _write(self, mesh: Mesh, scale: float) -> None:
@@ -75,12 +77,12 @@ class Threads:
 
     def choose(self, buffer: GBuffer, near: bool) -> moderngl.Framebuffer:
         """The picture of a G-buffer, where only the pixels that show threads are covered, or only the others."""
-        key = buffer.drawn, self._uv, self._scale.value, self._fabric.weave
+        key = buffer.drawn, self._in_metres, self._far
         return buffer.part(near, lambda target: self._draw(target, buffer, near), *key)
 
     def _draw(self, target: moderngl.Framebuffer, buffer: GBuffer, near: bool) -> None:
         program = programs(self.ctx).screen("passes/picture/near.frag")
-        own = {"far_footprint": far_footprint(self._fabric), "wants_near": near, "depth": buffer.depth}
+        own = {"far_footprint": self._far, "wants_near": near, "depth": buffer.depth}
         buffer.choose(target, program, self._inputs(buffer), own)
 
     def defines(self, method: Method) -> dict[str, Any]:

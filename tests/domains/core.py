@@ -15,6 +15,11 @@ def fixed(corner):
     return lambda rng, count: np.asarray(corner) + rng.uniform(-0.2, 0.2, (count, 3))
 
 
+def plane_vectors(rng, count):
+    """Vectors of a plane, of very different lengths."""
+    return rng.normal(size=(count, 2)) * 10.0 ** rng.uniform(-2.0, 2.0, (count, 1))
+
+
 DOMAINS = {
     "a": fixed((1.0, 0.0, 0.0)),
     "b": fixed((0.0, 1.0, 0.0)),
@@ -27,6 +32,20 @@ DOMAINS = {
 SPECIAL = {
     ("barycentric", "x"): vectors(1.0),
     ("lifted", "x"): vectors(1.0),
+    # Farther than the twentieth part from the edge of the plane, float32 keeps five digits of the way.
+    ("place_step", "d"): lambda rng, count: directions(rng, count) * rng.uniform(0.5, 2.0, (count, 1)),
+    ("place_step", "change"): vectors(0.01),
+    ("place_step", "n"): directions,
+    ("place_step", "t"): between(0.01, 10.0),
+    ("uv_step", "way"): vectors(0.01),
+    ("uv_step", "to_b"): fixed((1.0, 0.0, 0.0)),
+    ("uv_step", "to_c"): fixed((0.0, 1.0, 0.0)),
+    ("uv_step", "uv_b"): plane_vectors,
+    ("uv_step", "uv_c"): plane_vectors,
+    ("taps_and_level", "x"): plane_vectors,
+    ("taps_and_level", "y"): plane_vectors,
+    ("taps_and_level", "most"): between(1.0, 8.0),
+    ("lean", "omega"): above_horizon,
     ("facing_normal", "least"): between(0.02, 0.1),
     ("pow5", "x"): between(-2.0, 2.0, 0.0, 1.0),
     ("orthogonal_part", "v"): vectors(1.0),

@@ -1,0 +1,157 @@
+"""Threads near by: their mean is the far cloth, and the far cloth is what it was."""
+
+import numpy as np
+import pytest
+
+from glcloth.fabric import load_fabric
+from glcloth.geometry.camera import Camera
+from glcloth.geometry.mesh import build_mesh
+from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.methods.weave_maps import fabric_maps, repeat_of
+from glcloth.picture import threads
+from glcloth.weave.maps import mip_levels
+
+EVEN = {"shift": 0.0, "yarn": 0.0, "fibre": 0.0}
+
+
+def woven(name, **changes):
+    fabric = load_fabric(name)
+    return fabric.changed(weave=fabric.weave.changed(**changes))
+
+
+def even(name):
+    """A fabric whose yarns are all alike, so that a few repeats have the mean of all."""
+    fabric = load_fabric(name)
+    return woven(name, irregularity=fabric.weave.irregularity.changed(**EVEN))
+
+
+def patch(fabric, side=0.02, uv_unit=1.0):
+    """A sheet of whole repeats, about `side` metres wide, in the plane z = 0."""
+    w, h = (repeat * max(round(side / repeat), 1) for repeat in repeat_of(fabric))
+    corners = np.array([[-w, -h, 0], [w, -h, 0], [w, h, 0], [-w, h, 0]]) / 2
+    return build_mesh("sheet", corners, np.array([[0, 1, 2], [0, 2, 3]]), corners[:, :2] / uv_unit, None)
+
+
+def camera(theta_deg, phi_deg, side=0.02, lengths=40.0):
+    theta, phi = np.radians([theta_deg, phi_deg])
+    toward = np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+    fov = np.degrees(2.0 * np.arctan(0.85 / lengths))
+    return Camera(tuple(lengths * side * toward), (0.0, 0.0, 0.0), (0.0, 1.0, 0.1), float(fov))
+
+
+LOOK = {"size": (320, 320), "shadows": "off", "background": False}
+
+
+@pytest.mark.parametrize("name", ["linen_heavy", "denim_raw", "duchesse_satin", "silk_shot", "houndstooth"])
+def test_mean_of_whole_repeats_is_the_far_cloth(renderer, name):
+    fabric = even(name)
+    mesh = patch(fabric)
+    for view in (camera(5, 20), camera(40, 70), camera(60, 200), camera(75, 130), camera(150, 40)):
+        near = renderer.render(fabric=fabric, mesh=mesh, camera=view, **LOOK)
+        assert renderer.stage.cloths[0].threads.shown and np.isfinite(near).all()
+        far = renderer.render(fabric=fabric.changed(weave=None), mesh=mesh, camera=view, **LOOK)
+        assert near[..., 1].std() > 0.1 * near[..., 1].mean()
+        np.testing.assert_allclose(near.mean((0, 1)), far.mean((0, 1)), rtol=4e-3)
+
+
+def test_wandering_yarns_keep_the_mean(renderer):
+    fabric = load_fabric("denim_raw")
+    mesh = patch(fabric, 0.3)
+    view = camera(30, 70, 0.3)
+    look = {**LOOK, "size": (640, 640)}
+    near, far = (
+        renderer.render(fabric=f, mesh=mesh, camera=view, **look) for f in (fabric, fabric.changed(weave=None))
+    )
+    np.testing.assert_allclose(near.mean((0, 1)), far.mean((0, 1)), rtol=1e-2)
+
+
+def test_far_cloth_is_the_same_to_the_bit(renderer):
+    fabric = load_fabric("linen_heavy")
+    for changes in ({}, {"adaptive": True}):
+        look = {"size": (160, 120), "shadows": "off", "camera": Camera((0.0, 2.0, 6.0)), **changes}
+        far = renderer.render(fabric=fabric.changed(weave=None), **look)
+        assert np.array_equal(renderer.render(fabric=fabric, **look), far)
+        assert not renderer.stage.cloths[0].threads.shown
+
+
+def test_pixels_beyond_a_repeat_are_those_of_the_far_cloth(renderer):
+    """On a sheet that runs to the horizon some pixels show threads and some do not."""
+    fabric = load_fabric("denim_raw")
+    mesh = patch(fabric, 40.0)
+    look = {**LOOK, "size": (160, 160), "camera": Camera((0.0, 0.0, 0.05), (0.0, 0.1, 0.0), (0.0, 0.0, 1.0), 60.0)}
+    near, far = (renderer.render(fabric=f, mesh=mesh, **look) for f in (fabric, fabric.changed(weave=None)))
+    same = (near == far).all(-1) & (far[..., 3] > 0.0)
+    assert 0.05 < same.sum() / (far[..., 3] > 0.0).sum() < 0.95
+
+
+def test_reference_judges(renderer):
+    fabric = even("denim_raw")
+    mesh, view = patch(fabric, 0.004), camera(35, 70, 0.004)
+    look = {**LOOK, "size": (40, 40), "mesh": mesh, "camera": view, "fabric": fabric, "lobes": 4}
+    judge, direct = (renderer.render(method=method, **look)[..., :3] for method in ("reference", "direct"))
+    assert np.abs(direct - judge).mean() < 0.02 * judge.mean()
+
+
+def test_parts_are_the_whole(renderer):
+    fabric = load_fabric("houndstooth")
+    frame = renderer.prepare(fabric=fabric, mesh=patch(fabric, 0.05), camera=camera(30, 20, 0.05), **LOOK)
+    whole = renderer.render_frame(frame)
+    for _ in renderer.steps(frame, rows=lambda: 37):
+        pass
+    assert np.array_equal(renderer.target.read(), whole)
+
+
+def test_paper_says_that_it_shows_the_far_cloth(renderer, monkeypatch):
+    said = []
+    monkeypatch.setattr(threads, "warn", said.append)
+    fabric = load_fabric("silk_shot")
+    look = {**LOOK, "mesh": patch(fabric), "camera": camera(30, 20), "method": "paper", "size": (120, 120), "grid": 12}
+    near, far = (renderer.render(fabric=f, **look) for f in (fabric, fabric.changed(weave=None)))
+    assert np.array_equal(near, far) and len(said) == 1 and "paper" in said[0]
+
+
+def test_uvs_that_are_no_metres(renderer, monkeypatch):
+    said = []
+    monkeypatch.setattr(threads, "warn", said.append)
+    fabric = even("linen_heavy")
+    look = {**LOOK, "fabric": fabric, "camera": camera(30, 20), "size": (64, 64)}
+    metres = renderer.render(mesh=patch(fabric), **look)
+    assert not said
+    given = renderer.render(mesh=patch(fabric, uv_unit=0.5), uv_scale=0.5, **look)
+    assert not said
+    guessed = renderer.render(mesh=patch(fabric, uv_unit=0.5), **look)
+    assert len(said) == 1 and "0.5 m" in said[0]
+    for other in (given, guessed):
+        np.testing.assert_allclose(other, metres, atol=2e-3 * metres.max())
+
+
+@pytest.mark.parametrize("name", ["linen_heavy", "duchesse_satin", "silk_crepe_de_chine"])
+def test_every_level_of_the_maps_has_the_mean_1(name):
+    for level in mip_levels(fabric_maps(load_fabric(name)).rel.astype(float)):
+        np.testing.assert_allclose(level.mean((1, 2)), 1.0, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("axis", "light"), [(0, (0.0, 0.8, 0.6)), (1, (0.8, 0.0, 0.6))])
+def test_the_side_that_turns_to_the_light_is_brighter(renderer, axis, light):
+    """A picture from above under a low sun has the slopes of the height map: bright where it rises away from the sun."""
+    fabric = even("linen_heavy")
+    maps = fabric_maps(fabric)
+    sides = []
+    for sign in (1.0, -1.0):
+        omega = np.array([[sign * light[0], sign * light[1], light[2]]])
+        lights = Lights(
+            SphericalGaussians(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3))), Suns(omega, np.ones((1, 3)))
+        )
+        w, h = repeat_of(fabric)
+        corners = np.array([[0, 0, 0], [w, 0, 0], [w, h, 0], [0, h, 0]])
+        mesh = build_mesh("repeat", corners, np.array([[0, 1, 2], [0, 2, 3]]), corners[:, :2], None)
+        middle = np.array([w / 2, h / 2, 0.0])
+        fov = float(np.degrees(2.0 * np.arctan(h / 2 / (20.0 * w))))
+        above = Camera((w / 2, h / 2, 20.0 * w), tuple(middle), (0.0, 1.0, 0.0), fov)
+        look = {**LOOK, "size": (round(128 * w / h), 128), "camera": above, "lights": lights}
+        sides.append(renderer.render(fabric=fabric, mesh=mesh, **look)[::-1, :, 1])  # row 0: v = 0
+    rows, columns = ((np.arange(n) * m) // n for n, m in zip(sides[0].shape, maps.height.shape, strict=True))
+    slope = np.gradient(maps.height, axis=axis)[np.ix_(rows, columns)]
+    inside = maps.hole[np.ix_(rows, columns)] == 0.0
+    difference = (sides[0] - sides[1])[inside]
+    assert np.corrcoef(difference, -slope[inside].clip(*np.quantile(slope, (0.1, 0.9))))[0, 1] > 0.3
