@@ -288,8 +288,12 @@ class Renderer:
         for wrong input.
         """
         omega_o = np.atleast_2d(np.asarray(omega_o, np.float32))
-        if omega_o.ndim != 2 or omega_o.shape[1] != 3 or not np.isfinite(omega_o).all():
-            raise InputError(f"omega_o has shape {omega_o.shape}, expected [N, 3] finite unit directions")
+        if (
+            omega_o.ndim != 2
+            or omega_o.shape[1] != 3
+            or not np.allclose(np.linalg.norm(omega_o, axis=-1), 1.0, atol=0.01)
+        ):
+            raise InputError(f"omega_o: shape {omega_o.shape}, expected [N, 3] finite directions of length 1")
         fabric, lights = load_fabric(fabric), as_lights(lights)
         chosen, how = self.method(method), Settings(quality=quality, **settings)
         buffers = self.stage.cloths[0].scene_buffers
