@@ -96,7 +96,7 @@ class Entry:
     @property
     def method(self) -> bool:
         """Whether one method alone reads it."""
-        return self.of in ("direct", "paper", "reference")
+        return self.of not in ("", "cloth", "curtain")
 
     @property
     def values(self) -> str:

@@ -138,7 +138,7 @@ class Scene(Value):
         "", "spherical Gaussians fitted to the environment, 1 to 64, or auto", default=10, slider=(1, 64))
     lights: str = cloth(
         "", "file of lights (.json, .toml) instead of a fit; `glcloth env` writes one", default="", file=True)
-    method: Literal["direct", "paper", "reference", "trace"] = option(
+    method: Literal[MethodName, "trace"] = option(
         "", "how light on the cloth is summed; the curtain is traced", default="direct")
     quality: Quality = direct(
         "", "nodes per light: draft is fastest, high is closest to the reference", default="normal")
