@@ -22,7 +22,7 @@ class AdaptiveRate:
 
     Between its shaded neighbours a pixel is interpolated by cubics; second differences, and how far its own normal
     (known everywhere) lies from where theirs put it, estimate the error. Above `tolerance` it is shaded itself, as it is
-    at edges. docs/direct.md says what the error is in fact.
+    at edges. docs/direct.md has the measured error.
     """
 
     def __init__(self, ctx: moderngl.Context, tolerance: float = TOLERANCE):
@@ -45,7 +45,7 @@ class AdaptiveRate:
         ----------
         program, list_program : shade.frag and shade_list.comp of passes/picture with one method
         narrowest_lobe : gamma, radians
-        inputs : what both read
+        inputs : of both
         """
         self._reserve(buffer.size)
         cover = programs(self.ctx).screen("passes/picture/adaptive_cover.frag")

@@ -1,4 +1,4 @@
-"""Controls from fields: what a panel shows for each parameter, read from the models that define them."""
+"""Controls from fields: the widget of a panel for each parameter, read from the models that define them."""
 
 from __future__ import annotations
 

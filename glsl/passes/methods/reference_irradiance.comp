@@ -1,6 +1,6 @@
 #version 430
-// Irradiance at the vertices of the cloth and of what stands about it, on both sides, from the directions that no triangle hides: `direction_count` of
-// them from `first_direction` on are added.
+// Irradiance at the vertices of the cloth and the objects, on both sides, from the directions that no triangle hides:
+// `direction_count` of them from `first_direction` on are added.
 #include "inputs/accel/ray.glsl"
 #include "visit.glsl"
 #include "accel.glsl"

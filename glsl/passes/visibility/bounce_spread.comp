@@ -1,5 +1,5 @@
 #version 430
-// Mean radiance that comes back to the vertices, front and back: that of the probes about them.   [own]
+// Mean bounced radiance at the vertices, front and back, from the probes about them.   [own]
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 uniform samplerBuffer sum_data;      // passes/visibility/bounce_gather.comp
