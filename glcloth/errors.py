@@ -11,3 +11,12 @@ class NoOpenGLError(RuntimeError):
 
 class ShaderError(RuntimeError):
     """A GLSL file is missing, includes itself, or does not compile; the message names file and line."""
+
+
+MAX_LINE = 300  # characters of an error
+
+
+def one_line(text: str) -> str:
+    """`text` as one printable line of at most 300 characters, for errors that quote what a file holds."""
+    line = "".join(c if c.isprintable() else "?" for c in " ".join(str(text).split()))
+    return line if len(line) <= MAX_LINE else f"{line[: MAX_LINE - 3]}..."

@@ -8,16 +8,20 @@ from bisect import bisect_left
 from functools import cached_property
 from itertools import accumulate
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from .errors import InputError
 from .fields import Value, about
 from .files import PACKAGE, atomic_write, read_toml
+from .weave.model import Weave
 
 if TYPE_CHECKING:
     import numpy as np  # imported where it is used: the command line starts without it
+
+    from .weave.draft import Draft
+    from .weave.tangents import Tangents
 
 FABRICS = PACKAGE / "fabrics"
 MAX_TANGENTS = 32  # distinct tangents of a fabric, both yarns together; core/shared.glsl says the same
@@ -27,6 +31,14 @@ Albedo = Annotated[float, Field(ge=0.0, le=1.0)]
 Tilt = Annotated[float, Field(ge=-90.0, le=90.0)]
 Length = Annotated[float, Field(ge=0.0)]
 Depth = Annotated[float, Field(ge=0.0, le=20.0)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+# What a weave says of its yarns, so that a file does not say it again.
+DERIVED = ("area", "curve_angles_deg", "curve_lengths", "samples", "tangents_deg", "shares")
+
+
+def _samples(value: Any) -> Any:
+    """Files write "curve" for as many samples as the curve needs."""
+    return 0 if value == "curve" else value
 
 
 class Tangent(NamedTuple):
@@ -37,15 +49,7 @@ class Tangent(NamedTuple):
     count: int
 
 
-class _Value(Value):
-    """A value that keeps what it derives from its fields."""
-
-    def model_copy(self, *, update=None, deep=False):
-        """As `changed`: pydantic's own copy would keep what was derived from the replaced fields."""
-        return self.changed(**(update or {}))
-
-
-class Yarn(_Value):
+class Yarn(Value):
     """One of the two yarns of a weave: the parameters of paper A, equation 5, and its tangent curve."""
 
     albedo: tuple[Albedo, Albedo, Albedo] = about("linear Rec. 709", "colour of the volume term, A")
@@ -56,9 +60,19 @@ class Yarn(_Value):
     area: float = about("", "share of the weave's area, a_j", ge=0.0, le=1.0)
     curve_angles_deg: tuple[Tilt, ...] | None = about("degrees", "control angles of the tangent curve", default=None)
     curve_lengths: tuple[Length, ...] | None = about("", "segment lengths of the curve (0 = jump)", default=None)
-    samples: int | None = about("", "samples equally spaced along the curve, ends included", default=None, ge=1, le=32)
+    samples: Annotated[int | None, BeforeValidator(_samples)] = about(
+        "",
+        'samples equally spaced along the curve, ends included; 0 or "curve": the curve itself',
+        default=None,
+        ge=0,
+        le=32,
+    )
     tangents_deg: tuple[Tilt, ...] | None = about(
         "degrees", "the tangents themselves, instead of a curve", default=None
+    )
+
+    shares: tuple[Share, ...] | None = about(
+        "", "what share of the yarn each of tangents_deg has; equal ones where not given", default=None
     )
 
     @model_validator(mode="after")
@@ -69,7 +83,16 @@ class Yarn(_Value):
                 raise ValueError("has tangents_deg and a curve, expected one of them; delete the other")
             if not 1 <= len(self.tangents_deg) <= 32:
                 raise ValueError(f"tangents_deg has {len(self.tangents_deg)} angles, expected 1 to 32")
+            if self.shares is not None:
+                if len(self.shares) != len(self.tangents_deg):
+                    raise ValueError(
+                        f"shares has {len(self.shares)} numbers, expected {len(self.tangents_deg)}, one a tangent"
+                    )
+                if abs(sum(self.shares) - 1.0) > 1e-6:
+                    raise ValueError(f"the shares add up to {sum(self.shares):g}, expected 1; change them")
             return self
+        if self.shares is not None:
+            raise ValueError("has shares without tangents_deg, expected both; delete shares")
         if any(part is None for part in curve):
             raise ValueError("needs curve_angles_deg, curve_lengths and samples, or tangents_deg instead of the three")
         if len(self.curve_angles_deg) < 2:
@@ -88,6 +111,8 @@ class Yarn(_Value):
         """The sampled tangents C_j in degrees, equal ones repeated."""
         if self.tangents_deg is not None:
             return self.tangents_deg
+        if self.samples == 0:
+            return tuple(round(math.degrees(tilt), 9) + 0.0 for tilt in self._whole_curve.tilts)
         lengths, angles = self.curve_lengths, self.curve_angles_deg
         ends = [0.0, *accumulate(map(float, lengths))]
         step = ends[-1] / max(self.samples - 1, 1)
@@ -103,8 +128,21 @@ class Yarn(_Value):
             tilts.append(round(a + (b - a) * min(max(u, 0.0), 1.0), 9))
         return tuple(tilts)
 
+    @cached_property
+    def tilt_shares(self) -> tuple[float, ...] | None:
+        """What share of the yarn each of `tilts_deg` has; None where all have 1 / N_j."""
+        return tuple(self._whole_curve.weights.tolist()) if self.samples == 0 else self.shares
 
-class Transmission(_Value):
+    @cached_property
+    def _whole_curve(self) -> Tangents:
+        import numpy as np
+
+        from .weave.tangents import curve_tangents
+
+        return curve_tangents(np.radians(self.curve_angles_deg), self.curve_lengths, np.radians(self.gamma_s_deg))
+
+
+class Transmission(Value):
     """Paper B's terms for the ray tracer: how light passes through the weave.
 
     The names are those of paper B, equation 1, put right: `rho` is the covered share of the area, so 1 - rho is open
@@ -153,11 +191,14 @@ class Transmission(_Value):
         return 1.0 - self.rho
 
 
-class Fabric(_Value):
+class Fabric(Value):
     """A fabric: two yarns, the width of shadowing and masking, and which normalisation of W holds.
 
     `normalization` "sadeghi": W = M P / Q with Q = sum_t w_t P + (1 - a_1 - a_2) max(omega_o . N, 0), w_t = a_j / N_j.
     "paper": equation 6 of paper A as printed, W = M P / sum_t P, without gaps and without 1 / N_j.
+
+    With a `weave` whose `far` is "weave" the yarns' areas and tangents are what the weave makes of them, whatever they said;
+    where its threads have colours of their own, so is their albedo.
     """
 
     name: str = about("", "for people", min_length=1)
@@ -165,11 +206,41 @@ class Fabric(_Value):
     sigma_deg: float = about("degrees", "width of shadowing and masking", default=20.0, ge=1.0, le=90.0)
     yarn: tuple[Yarn, ...]
     transmission: Transmission | None = None
+    weave: Weave | None = None
+
+    @classmethod
+    def parse(cls, data: dict, where: str = "") -> Self:
+        """As `Value.parse`. Raises InputError also for a yarn that says what follows from the weave."""
+        areas, colors = _derives(data.get("weave"))
+        derived = (DERIVED if areas else ()) + (("albedo",) if colors else ())
+        yarns = data.get("yarn")
+        for j, yarn in enumerate(yarns if isinstance(yarns, list) else ()):
+            if said := next((name for name in derived if isinstance(yarn, dict) and name in yarn), None):
+                other = 'set colors = "yarn"' if said == "albedo" else 'set far = "yarns"'
+                raise InputError(f"{where}: yarn {j + 1}: {said}: follows from [weave]; delete it, or {other} there")
+        return super().parse(data, where)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _yarns_that_the_weave_completes(cls, data):
+        """Yarns may leave out what is derived."""
+        if not isinstance(data, dict) or not isinstance(data.get("yarn"), list | tuple):
+            return data
+        areas, colors = _derives(data.get("weave"))
+        stand_in = ({"area": 0.0, "tangents_deg": (0.0,)} if areas else {}) | ({"albedo": (0.5,) * 3} if colors else {})
+        dropped = DERIVED if areas else ()
+        yarns = [
+            {**{k: v for k, v in yarn.items() if k not in dropped}, **stand_in} if isinstance(yarn, dict) else yarn
+            for yarn in data["yarn"]
+        ]
+        return {**data, "yarn": yarns}
 
     @model_validator(mode="after")
     def _two_yarns_on_one_area(self):
         if len(self.yarn) != 2:
             raise ValueError(f"has {len(self.yarn)} yarns, expected exactly two [[yarn]] blocks")
+        if self.weave is not None:
+            self.__dict__["yarn"] = _derived_yarns(self.weave, self.yarn)
         if sum(y.area for y in self.yarn) > 1.0 + 1e-9:
             raise ValueError(f"the areas add up to {sum(y.area for y in self.yarn):g}, expected at most 1")
         if len(self.tangents) > MAX_TANGENTS:
@@ -201,17 +272,22 @@ class Fabric(_Value):
     def weights(self) -> np.ndarray:
         """[tangents, 2]: the factor of each distinct tangent in the sum over tangents, and its factor in W's normaliser.
 
-        sadeghi: both are a_j count / N_j. paper (equation 6 as printed): a_j count, and count.
+        sadeghi: both are a_j count / N_j. paper (equation 6 as printed): a_j count, and count. Where tangents have shares
+        of their own, N_j times the share stands for count.
         """
         import numpy as np
 
         rows = []
-        for yarn, _, count in self.tangents:
+        for yarn, tilt, count in self.tangents:
+            factor: float = count
+            if (shares := self.yarn[yarn].tilt_shares) is not None:
+                tilts = self.yarn[yarn].tilts_deg
+                factor = sum(s for s, t in zip(shares, tilts, strict=True) if math.radians(t) == tilt) * len(shares)
             if self.normalization == "sadeghi":
-                w = self.yarn[yarn].area * count / len(self.yarn[yarn].tilts_deg)
+                w = self.yarn[yarn].area * factor / len(self.yarn[yarn].tilts_deg)
                 rows.append((w, w))
             else:
-                rows.append((self.yarn[yarn].area * count, float(count)))
+                rows.append((self.yarn[yarn].area * factor, float(factor)))
         return np.array(rows)
 
     def numerators(self, part: int | None = None) -> np.ndarray:
@@ -242,21 +318,73 @@ class Fabric(_Value):
         return yarns, [tuple(t) for t in self.tangents], weights, self.gap, self.sigma
 
 
+def _derives(weave: Any) -> tuple[bool, bool]:
+    """Whether a weave, be it a Weave or a table of a file, says areas and tangents of the yarns, and their colours."""
+    if isinstance(weave, Weave):
+        return weave.far == "weave", weave.colors != "yarn"
+    if isinstance(weave, dict):
+        return weave.get("far", "weave") == "weave", weave.get("colors", "yarn") != "yarn"
+    return False, False
+
+
+def _derived_yarns(weave: Weave, yarns: tuple[Yarn, ...]) -> tuple[Yarn, ...]:
+    """The yarns with what the weave makes of them."""
+    areas, colors = _derives(weave)
+    if not areas and not colors:
+        return yarns
+    found = weave.derived(tuple(yarn.gamma_s_deg for yarn in yarns))
+    out = []
+    for j, yarn in enumerate(yarns):
+        data = {name: getattr(yarn, name) for name in Yarn.model_fields}
+        if areas:
+            data = {k: v for k, v in data.items() if k not in DERIVED}
+            data |= {"area": found.areas[j], "tangents_deg": found.tilts_deg[j], "shares": found.shares[j]}
+        if colors:
+            data["albedo"] = found.albedos[j]
+        out.append(Yarn.model_validate(data))
+    return tuple(out)
+
+
+def draft_fabric(draft: Draft, name: str | None = None) -> Fabric:
+    """A fabric of cotton-like yarns woven after a draft, at the draft's sett and widths, in its colours if it has some.
+
+    `name` : what it is called; the draft's title by default.
+    """
+    import numpy as np
+
+    # Drafts state thread and gap carelessly; cloth of which nothing is known is nearly closed.
+    widths = [float(np.clip((t / s).mean(), 0.3, 1.1)) for t, s in _widths(draft)]
+    colors = "draft" if draft.has_colors else "yarn"
+    yarn = {"eta": 1.34, "k_d": 0.35, "gamma_s_deg": 12.0, "gamma_v_deg": 24.0}
+    if colors == "yarn":
+        yarn["albedo"] = (0.30, 0.27, 0.21)
+    weave = Weave.model_validate({"draft": draft, "width": widths, "colors": colors, "twist_deg": 10.0})
+    return Fabric.parse({"name": name or draft.title or "draft", "yarn": [yarn, yarn], "weave": weave})
+
+
+def _widths(draft: Draft) -> tuple:
+    return (draft.warp_thickness, draft.warp_spacing), (draft.weft_thickness, draft.weft_spacing)
+
+
 def builtin_fabrics() -> list[str]:
     """Names of the fabrics that come with glcloth."""
     return sorted(path.stem for path in FABRICS.glob("*.toml"))
 
 
 def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
-    """Return a built-in fabric by name, or one read from a TOML file.
+    """Return a built-in fabric by name, or one read from a TOML file or made from a weaver's draft (.wif).
 
-    Raises InputError for an unknown name (with a suggestion), a missing or malformed file, an unknown key or a value
-    out of its range.
+    A draft that a fabric file names is looked for beside that file. Raises InputError for an unknown name (with a
+    suggestion), a missing or malformed file, an unknown key or a value out of its range.
     """
     if isinstance(name_or_path, Fabric):
         return name_or_path
     text = str(name_or_path)
     path = Path(text)
+    if path.suffix.lower() == ".wif":
+        from .weave.wif import load_draft
+
+        return draft_fabric(load_draft(path))
     if path.suffix != ".toml" and not path.is_file():
         names = builtin_fabrics()
         if text in names:
@@ -264,8 +392,14 @@ def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
         else:
             close = difflib.get_close_matches(text.lower(), names, 1, 0.4)
             hint = f'; did you mean "{close[0]}"?' if close else ""
-            raise InputError(f'fabric "{text}": not a built-in fabric ({", ".join(names)}) and not a .toml file{hint}')
-    return Fabric.parse(read_toml(path, "a fabric file (.toml)"), str(path))
+            raise InputError(
+                f'fabric "{text}": not a built-in fabric ({", ".join(names)}) and not a .toml or .wif file{hint}'
+            )
+    data = read_toml(path, "a fabric file (.toml)")
+    weave = data.get("weave")
+    if isinstance(weave, dict) and str(weave.get("draft", "")).lower().endswith(".wif"):
+        data["weave"] = {**weave, "draft": str(path.parent / weave["draft"])}
+    return Fabric.parse(data, str(path))
 
 
 def save_fabric(path: str | Path, fabric: Fabric) -> None:
@@ -273,5 +407,12 @@ def save_fabric(path: str | Path, fabric: Fabric) -> None:
     import tomli_w
 
     data = fabric.model_dump(exclude_none=True)
+    areas, colors = _derives(fabric.weave)
+    derived = (DERIVED if areas else ()) + (("albedo",) if colors else ())
+    for yarn in data["yarn"]:
+        for name in derived:
+            yarn.pop(name, None)
+        if yarn.get("samples") == 0:
+            yarn["samples"] = "curve"
     with atomic_write(path) as temporary:
         temporary.write_text(tomli_w.dumps(data), encoding="utf-8")

@@ -58,6 +58,22 @@ class Value(BaseModel):
         data = {name: getattr(self, name) for name in self.model_fields_set}
         return type(self).parse({**data, **changes})
 
+    def model_copy(self, *, update: Any = None, deep: bool = False) -> Self:
+        """As `changed`: pydantic's own copy would keep what was derived from the replaced fields."""
+        return self.changed(**(update or {}))
+
+    def _fields(self) -> tuple:
+        return tuple(getattr(self, name) for name in type(self).model_fields)
+
+    def __eq__(self, other: object) -> bool:
+        """Equal fields: pydantic also compares what was derived and kept, which fails for arrays."""
+        return self is other or (
+            isinstance(other, Value) and type(self) is type(other) and self._fields() == other._fields()
+        )
+
+    def __hash__(self) -> int:
+        return hash((type(self), self._fields()))
+
 
 # -- the description of a field ------------------------------------------------------------------------------------------
 
@@ -195,7 +211,8 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
         expected = problem["ctx"]["expected"].replace("'", "")
         text = f"{where} = {value!r}: expected {expected}"
     else:
-        text = f"{where} = {value!r}: {problem['msg'][0].lower()}{problem['msg'][1:]}"
+        shown = value if len(value := repr(value)) <= 60 else f"{value[:57]}..."
+        text = f"{where} = {shown}: {problem['msg'][0].lower()}{problem['msg'][1:]}"
     more = sum(not where.startswith(place) for place in {_place(p, model)[0] for p in problems})
     return text + (f" (and {more} more)" if more else "")
 

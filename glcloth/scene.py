@@ -122,7 +122,7 @@ class Scene(Value):
     model_config = ConfigDict(title="scene")
 
     # fmt: off
-    fabric: str | Fabric = option("", "built-in fabric or a .toml file", default="silk_crepe_de_chine", file=True)
+    fabric: str | Fabric = option("", "built-in fabric, a .toml file or a draft (.wif)", default="silk_crepe_de_chine", file=True)
     mesh: str = cloth("", "built-in mesh or a file (.obj .ply .glb .gltf)", default="drape", file=True)
     objects: tuple[str, ...] = cloth(
         "", "mesh that stands by the cloth, matt, in its own colours; repeatable", default=(), option="--object", file=True)

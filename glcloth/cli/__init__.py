@@ -15,6 +15,7 @@ from .light import env, tables
 from .measure import bench, diff, info
 from .render import render, view
 from .sequence import animate, drape
+from .weave import fabrics, weave
 
 ABOUT = """Woven cloth as it really looks, on OpenGL.
 
@@ -23,7 +24,7 @@ GLCLOTH_CACHE names the folder for fits and tables made on this machine (`glclot
 """
 app = App(name="glcloth", help=ABOUT, version=__version__, help_format="plaintext", suppress_keyboard_interrupt=False)
 
-for _command in (render, animate, view, tables, env, drape, diff, info, bench):
+for _command in (render, animate, view, tables, env, weave, fabrics, drape, diff, info, bench):
     app.command(_command)
 
 

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 class SceneOptions:
     """What to render; an option that is not given keeps the scene's value."""
 
-    fabric: Annotated[str | None, Parameter(help="Built-in fabric or a .toml file.")] = None
+    fabric: Annotated[str | None, Parameter(help="Built-in fabric, a .toml file or a draft (.wif).")] = None
     mesh: Annotated[str | None, Parameter(help="Built-in mesh or a file (.obj .ply .glb .gltf).")] = None
     objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, matt, in its own colours; repeatable.")] = None
     ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; or off (m).")] = None

@@ -103,10 +103,12 @@ def chooser(label: str, value: str, names: list[str]) -> str | None:
     """A list of built-in names; a file that is in use stands among them. Returns the choice, if any."""
     shown = Path(value).name if value not in names else value
     chosen = None
-    if imgui.begin_combo(label, shown):
+    if imgui.begin_combo(label, shown, imgui.ComboFlags_.height_largest):
         for name in names if value in names else [value, *names]:
             if imgui.selectable(name, name == value)[0] and name != value:
                 chosen = name
+            if name == value:
+                imgui.set_item_default_focus()
         imgui.end_combo()
     return chosen
 

@@ -131,7 +131,7 @@ def bad_fabric(tmp_path, change):
     [
         (lambda t: t.replace("eta =", "etta =", 1), "yarn 1: etta: unknown key; did you mean eta?"),
         (lambda t: t.replace("gamma_s_deg = 12", "gamma_s_deg = -1", 1), "yarn 1: gamma_s_deg = -1"),
-        (lambda t: t + t[t.index("[[yarn]]") :], "has 4 yarns, expected exactly two"),
+        (lambda t: t + t[t.index("[[yarn]]") : t.index("# What threads")], "has 4 yarns, expected exactly two"),
         (lambda t: t.replace("samples = 2", "", 1), "needs curve_angles_deg, curve_lengths and samples"),
         (lambda t: t.replace("curve_lengths = [1]", "curve_lengths = [1, 1]", 1), "expected 1, one between"),
         (lambda t: t.replace("area = 0.33", "area = 0.8"), "areas add up to 1.6"),

@@ -139,7 +139,7 @@ def test_every_parameter_has_a_control_whose_ends_are_valid(model):
     fabric = load_fabric("silk_crepe_de_chine")
     value = fabric.yarn[0].changed(area=0.0) if model is Yarn else fabric
     found = controls(model)
-    assert {c.name for c in found} >= set(model.model_fields) - {"yarn", "transmission"}
+    assert {c.name for c in found} >= set(model.model_fields) - {"yarn", "transmission", "weave", "shares"}
     for control in found:
         if control.kind not in ("float", "int", "color"):
             continue

@@ -1,0 +1,64 @@
+"""A draft as strings, numbers and lists, so that fabric files and pictures' headers can hold it."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from ..color import srgb_decode, srgb_encode
+from ..errors import InputError, one_line
+from .draft import Draft
+
+UP, DOWN = "#", "."
+ARRAYS = tuple(f"{system}_{what}" for system in ("warp", "weft") for what in ("spacing", "thickness", "colors"))
+
+
+def plain_draft(draft: Draft) -> dict:
+    """{"drawdown": rows of # (warp on top) and ., "warp_spacing": cm, "warp_colors": "#rrggbb", ...}; else lists."""
+    out: dict = {"title": draft.title} if draft.title else {}
+    out["drawdown"] = ["".join(UP if up else DOWN for up in row) for row in draft.drawdown]
+    for name in ARRAYS:
+        value = getattr(draft, name)
+        if value is not None:
+            values = [_hex(color) for color in value] if value.ndim == 2 else value.tolist()
+            out[name] = values[0] if len(set(values)) == 1 else values
+    return out
+
+
+def _hex(color: np.ndarray) -> str:
+    """Display sRGB as "#rrggbb"."""
+    return "#{:02x}{:02x}{:02x}".format(*np.rint(255.0 * srgb_encode(color)).astype(int))
+
+
+def _color(text: str) -> np.ndarray:
+    """Linear Rec. 709 of "#rrggbb". Raises ValueError for anything else."""
+    if not isinstance(text, str) or not re.fullmatch("#[0-9a-fA-F]{6}", text):
+        raise ValueError(text)
+    return srgb_decode(np.frombuffer(bytes.fromhex(text[1:]), np.uint8) / 255.0)
+
+
+def draft_of(data: dict) -> Draft:
+    """The draft of a plain dictionary. Raises InputError for unknown keys, uneven rows and values of other kinds."""
+    known = ("title", "drawdown", *ARRAYS)
+    if unknown := next((key for key in data if key not in known), None):
+        raise InputError(one_line(f"draft: {unknown}: unknown key; known keys: {', '.join(known)}"))
+    rows = data.get("drawdown")
+    good = isinstance(rows, list | tuple) and rows and all(isinstance(row, str) for row in rows)
+    if not good or len({len(row) for row in rows}) != 1 or set("".join(rows)) - {UP, DOWN}:
+        raise InputError(f'draft: drawdown: expected rows of equal length, of "{UP}" (warp on top) and "{DOWN}"')
+    counts = {"warp": len(rows[0]), "weft": len(rows)}
+    arrays = {}
+    for name in ARRAYS:
+        value = data.get(name)
+        if value is None:
+            continue
+        values = value if isinstance(value, list | tuple) else [value] * counts[name[:4]]
+        colors = name.endswith("colors")
+        try:
+            arrays[name] = np.array([_color(v) if colors else float(v) for v in values])
+        except (TypeError, ValueError):
+            what = 'colours such as "#c8b496"' if colors else "lengths in cm"
+            raise InputError(f"draft: {name}: expected {what}, one for each thread or one for all") from None
+    drawdown = np.array([[c == UP for c in row] for row in rows])
+    return Draft(drawdown, **arrays, title=one_line(data.get("title", "")))

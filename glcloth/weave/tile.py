@@ -1,0 +1,176 @@
+"""One repeat of a cloth seen from above: which yarn lies on top at each place, how it tilts, and how high it is.
+
+Warp runs along u (columns of the maps), weft along v (rows); ends are counted along v, picks along u. Yarn 0 is the
+warp, 1 the weft. Geometry after Peirce 1937, "The Geometry of Cloth Structure": crimp heights share the sum of the
+yarns' heights; sections are ellipses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from .draft import Draft
+from .floats import path
+
+TEXELS = 32  # a yarn, in large repeats
+SMALLEST, LARGEST = 256, 1024  # texels a side; a larger tile takes seconds, so it is made on request only
+REACH = 8  # neighbours on either side that may lie over a place
+
+
+@dataclass(frozen=True)
+class Shape:
+    """The measures of a weave: everything that its geometry depends on. Pairs are (warp, weft).
+
+    ends_per_cm, picks_per_cm : the sett. width : yarn width over mean spacing. flat : height over width of the section.
+    crimp : the warp's share of the sum of crimp heights. bow : 0 floats lie flat, 1 they are one arc. twist : radians,
+    positive Z. pinch : how much narrower a yarn is where it changes sides. steepest : largest tilt, radians, or None for
+    what crimp and sett give.
+    """
+
+    draft: Draft
+    ends_per_cm: float
+    picks_per_cm: float
+    width: tuple[float, float]
+    flat: tuple[float, float]
+    crimp: float
+    bow: tuple[float, float]
+    twist: tuple[float, float]
+    pinch: tuple[float, float]
+    steepest: tuple[float, float] | None = None
+
+    @property
+    def pitch(self) -> tuple[float, float]:
+        """cm from end to end and from pick to pick, in the mean."""
+        return 1.0 / self.ends_per_cm, 1.0 / self.picks_per_cm
+
+    @property
+    def heights(self) -> tuple[float, float]:
+        """cm, heights of the two yarns' sections, b_j = flat_j width_j pitch_j."""
+        return tuple(f * w * p for f, w, p in zip(self.flat, self.width, self.pitch, strict=True))
+
+    @property
+    def crimps(self) -> tuple[float, float]:
+        """cm, how far each yarn's axis travels up and down: h_1 + h_2 = b_1 + b_2.   [Peirce 1937]"""
+        total = sum(self.heights)
+        return self.crimp * total, (1.0 - self.crimp) * total
+
+    @property
+    def largest_tilts(self) -> tuple[float, float]:
+        """Radians, the slope of each axis where it changes sides: tan u_1 = pi h_1 / (2 p_2), and the same exchanged."""
+        if self.steepest is not None:
+            return self.steepest
+        (h_1, h_2), (p_1, p_2) = self.crimps, self.pitch
+        return float(np.arctan(np.pi * h_1 / (2 * p_2))), float(np.arctan(np.pi * h_2 / (2 * p_1)))
+
+
+@dataclass(frozen=True)
+class Tile:
+    """Maps [H, W] of one repeat of the structure, sampled at the middles of their texels.
+
+    system : int8, the yarn on top: 0 warp, 1 weft, -1 a hole. thread : which end or pick of the repeat.
+    tilt : radians, positive where the fibres go down along the yarn, twist included. side : -1..1 across the yarn, toward
+    +v on the warp and +u on the weft. height : cm above the cloth's middle plane.
+    size : (along u, along v) of the repeat in cm. threads : (picks, ends) of the repeat.
+    """
+
+    system: np.ndarray
+    thread: np.ndarray
+    tilt: np.ndarray
+    side: np.ndarray
+    height: np.ndarray
+    size: tuple[float, float]
+    threads: tuple[int, int]
+
+
+def tile_size(picks: int, ends: int) -> tuple[int, int]:
+    """(H, W) of the maps of a repeat: powers of two, so that means of mip levels are exact; about 32 texels a yarn."""
+    sides = (2 ** round(np.log2(TEXELS * n)) for n in (ends, picks))
+    H, W = (int(min(max(side, SMALLEST), LARGEST)) for side in sides)
+    return H, W
+
+
+@lru_cache(maxsize=4)
+def make_tile(shape: Shape, size: tuple[int, int] | None = None) -> Tile:
+    """The cloth of `shape` seen from above, `size` = (H, W) texels (`tile_size` by default).
+
+    At each texel the highest of all yarns that pass there wins, so floats, crossings, gaps and areas need no cases.
+    """
+    picks, ends = shape.draft.structure
+    draft = shape.draft.first(picks, ends)
+    H, W = size or tile_size(picks, ends)
+    warp, weft = _Threads(draft.warp_spacing, draft.warp_thickness), _Threads(draft.weft_spacing, draft.weft_thickness)
+    v, u = (np.arange(H) + 0.5) * ends / H, (np.arange(W) + 0.5) * picks / W
+    layers = [
+        _highest(shape, 0, warp, v, draft.drawdown.T, weft.crossing(u)),
+        _highest(shape, 1, weft, u, ~draft.drawdown, warp.crossing(v)),
+    ]
+    layers[1] = tuple(a.T for a in layers[1])
+    weft_wins = layers[1][0] > layers[0][0]
+    height, thread, tilt, side = (np.where(weft_wins, b, a) for a, b in zip(*layers, strict=True))
+    hole = np.isneginf(height)
+    system = np.where(hole, -1, weft_wins).astype(np.int8)
+    floor = -0.5 * sum(shape.heights)
+    p_1, p_2 = shape.pitch
+    return Tile(
+        system, thread, np.where(hole, 0.0, tilt), np.where(hole, 0.0, side), np.where(hole, floor, height),
+        (picks * p_2, ends * p_1), (picks, ends),
+    )  # fmt: skip
+
+
+class _Threads:
+    """Where the threads of one system lie across it, in mean spacings: 0 to n, cyclic."""
+
+    def __init__(self, spacing: np.ndarray, thickness: np.ndarray):
+        self.edges = np.concatenate([[0.0], np.cumsum(spacing / spacing.mean())])
+        self.edges[-1] = len(spacing)
+        self.middles = 0.5 * (self.edges[:-1] + self.edges[1:])
+        self.relative = thickness / thickness.mean()
+
+    def crossing(self, x: np.ndarray) -> np.ndarray:
+        """Places x in crossings: k at the edge before thread k, k + 1 at the edge behind it."""
+        return np.interp(x, self.edges, np.arange(len(self.edges)))
+
+    def neighbours(self, half: np.ndarray) -> int:
+        """How many threads away one may be that still lies over a thread's own strip; `half`: their half widths."""
+        n = len(self.middles)
+        for reach in range(REACH):
+            at = np.arange(n) + reach + 1
+            behind = self.middles[at % n] + n * (at // n) - half[at % n] >= self.edges[1:]
+            at = np.arange(n) - reach - 1
+            before = self.middles[at % n] + n * (at // n) + half[at % n] <= self.edges[:-1]
+            if behind.all() and before.all():
+                return reach
+        return REACH
+
+
+def _highest(shape: Shape, j: int, threads: _Threads, across: np.ndarray, up: np.ndarray, along: np.ndarray):
+    """The highest yarn of system j: (height, thread, tilt, side), each [across, along]; height -inf where there is none.
+
+    across : places across the yarns, in mean spacings. along : places along them, in crossings. up : bool [threads, n].
+    """
+    n = len(up)
+    axis, slope, dive = path(up, along, shape.bow[j])
+    narrow = 1.0 - shape.pinch[j] * np.clip((dive - 0.4) / 0.6, 0.0, 1.0) ** 2
+    half = 0.5 * shape.width[j] * threads.relative
+    # Positive tilt goes down along the yarn. Z fibres rise toward +y of the yarn's own frame: +v of the warp, -u of the weft.
+    tilt_of_axis = -shape.largest_tilts[j] * slope
+    twist = -shape.twist[j] if j == 0 else shape.twist[j]
+    crimp, height = shape.crimps[j], shape.heights[j]
+    own = np.minimum(np.searchsorted(threads.edges, across, side="right") - 1, n - 1)
+    best = [np.full((len(across), len(along)), fill) for fill in (-np.inf, 0, 0.0, 0.0)]
+    reach = threads.neighbours(half)
+    for offset in range(-reach, reach + 1):
+        index = own + offset
+        i = index % n
+        middle = threads.middles[i] + n * (index // n)
+        y = ((across - middle) / half[i])[:, None] / narrow[i]
+        inside = np.abs(y) < 1.0
+        bulge = np.sqrt(np.maximum(1.0 - y * y, 0.0)) * (0.5 * height * threads.relative[i])[:, None]
+        z = np.where(inside, 0.5 * crimp * axis[i] + bulge, -np.inf)
+        wins = z > best[0]
+        for a, b in zip(best, (z, i[:, None], tilt_of_axis[i] + twist * y, y), strict=True):
+            np.copyto(a, b, where=wins)
+    return tuple(best)
