@@ -2,11 +2,11 @@
 
 
 class InputError(ValueError):
-    """Wrong input: one line that says what, where, what was expected and what to do. Exit code 2."""
+    """Wrong input; one line with the fault, its place, the expected value and the remedy. Exit code 2."""
 
 
 class NoOpenGLError(RuntimeError):
-    """No usable OpenGL context: what was tried and what to install. Exit code 3."""
+    """No usable OpenGL context: the devices tried, and packages to install. Exit code 3."""
 
 
 class ShaderError(RuntimeError):

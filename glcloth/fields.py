@@ -33,7 +33,7 @@ def about(
     option : whether it is an option of the command line, or that option's name where it is not the field's
     file : whether it may name a file
     slider : ends of the window's slider, where these are not the limits; log : it is logarithmic
-    limits : what pydantic's Field takes: default, ge, gt, le, lt, min_length
+    limits : as pydantic's Field takes them: default, ge, gt, le, lt, min_length
     """
     extra = {"unit": unit, "of": of, "option": option, "file": file, "slider": slider, "log": log}
     return Field(description=text, json_schema_extra=extra, **limits)
@@ -75,12 +75,12 @@ class Value(BaseModel):
         return hash((type(self), self._fields()))
 
 
-# -- what a field says of itself -----------------------------------------------------------------------------------------
+# -- the description of a field ------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
 class Entry:
-    """What a field says of itself.
+    """The description of a field.
 
     Parameters
     ----------
@@ -112,11 +112,11 @@ class Entry:
     @property
     def method(self) -> bool:
         """Whether one method alone reads it."""
-        return self.of in ("direct", "paper", "reference")
+        return self.of not in ("", "cloth", "curtain")
 
     @property
     def values(self) -> str:
-        """What it may be, with the unit: limits, choices, or nothing to say."""
+        """Its possible values, with the unit: limits, choices, or an empty text."""
         low, high = (None if end is None else f"{end:g}" for end in (self.low, self.high))
         if self.choices and self.kind == "choice":
             said = one_of(self.choices)
@@ -128,7 +128,7 @@ class Entry:
 
 
 def entries(model: type[BaseModel], names: tuple[str, ...] | None = None) -> list[Entry]:
-    """What the fields of a model (all, or those named) say of themselves, in their order."""
+    """The descriptions of the fields of a model (all, or those named), in their order."""
     return [_entry(name, model.model_fields[name]) for name in names or tuple(model.model_fields)]
 
 
@@ -193,7 +193,7 @@ def one_of(names: tuple[str, ...]) -> str:
 
 def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     """One line for the first problem that pydantic found; the number of other places with problems behind it."""
-    # A misspelt key is also a missing one, and what is no name may be a wrong table: the other one is what to say.
+    # A misspelt key is also a missing one, and a wrong table is no name either: report the key, or the table's error.
     problems = sorted(error.errors(), key=lambda p: (p["type"] != "extra_forbidden", p["type"] == "string_type"))
     problem = problems[0]
     where, inner = _place(problem, model)

@@ -72,7 +72,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
 
 
 def read_toml(path: str | Path, expected: str) -> dict:
-    """What a TOML file holds; `expected` says in errors what it should be. Raises InputError."""
+    """The content of a TOML file; `expected` names in errors what it should be. Raises InputError."""
     import tomllib
 
     try:

@@ -59,7 +59,7 @@ def write_image(
 
     Parameters
     ----------
-    settings : what made the picture; stored as JSON (EXR attribute or PNG text chunk "glcloth"), see read_settings
+    settings : of the picture; stored as JSON (EXR attribute or PNG text chunk "glcloth"), see read_settings
     half : EXR with 16-bit floats (values beyond 65504 are limited); else 32-bit
     exposure : stops, PNG only
     view_transform : a name in color.VIEW_TRANSFORMS, PNG only
@@ -173,7 +173,7 @@ def _broken(path: Path, reason: str = "damaged or cut short") -> InputError:
 
 @contextlib.contextmanager
 def _silence() -> Iterator[None]:
-    """Send what C++ libraries print to a scratch file: a user sees our one line and no other."""
+    """Send output of C++ libraries to a scratch file: a user sees our one line and no other."""
     try:
         sys.stdout.flush()
         sys.stderr.flush()

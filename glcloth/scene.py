@@ -1,7 +1,7 @@
 """A scene: everything that determines a picture, as one frozen value that files, pictures and doors share.
 
-What a field says of itself (`about`) is what errors, the window's controls, options of the command line and
-docs/scene.md say of it; after a change `python -m glcloth.cli.generate` writes the last two.
+The description of a field (`about`) serves errors, the window's controls, options of the command line and
+docs/scene.md; after a change `python -m glcloth.cli.generate` writes the last two.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Quality = Literal["draft", "normal", "high"]
 ShadowMode = Literal["off", "sun", "full"]
 Vec3 = tuple[float, float, float]
 Share = Annotated[float, Field(ge=0, le=1)]
-# What a curtain begins with where its scene does not say: it is traced in a room, before a sky.
+# Defaults of a curtain's scene: it is traced in a room, before a sky.
 CURTAIN = {"fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (640, 640), "method": "trace"}
 option = partial(about, option=True)
 cloth, curtain = partial(option, of="cloth"), partial(option, of="curtain")
@@ -40,7 +40,7 @@ KINDS = {"cloth": "cloth under an environment", "curtain": "the curtain"}
 
 
 class View(Value):
-    """The camera of a scene; what is not given follows from the mesh, or is that of the curtain's room."""
+    """The camera of a scene; missing values follow from the mesh, or are those of the curtain's room."""
 
     model_config = ConfigDict(title="camera")
 
@@ -114,7 +114,7 @@ class CurtainParameters(Value):
 
 
 class Scene(Value):
-    """What a picture shows: cloth under an environment, or, with a table `curtain`, a curtain in a room.
+    """The content of a picture: cloth under an environment, or, with a table `curtain`, a curtain in a room.
 
     Lengths in metres, +Y up. The curtain's window is in the plane z = 0, the room before it (z > 0), the lamp behind.
     """
@@ -140,7 +140,7 @@ class Scene(Value):
         "", "spherical Gaussians fitted to the environment, 1 to 64, or auto", default=10, slider=(1, 64))
     lights: str = cloth(
         "", "file of lights (.json, .toml) instead of a fit; `glcloth env` writes one", default="", file=True)
-    method: Literal["direct", "paper", "reference", "trace"] = option(
+    method: Literal[MethodName, "trace"] = option(
         "", "how light on the cloth is summed; the curtain is traced", default="direct")
     quality: Quality = direct(
         "", "nodes per light: draft is fastest, high is closest to the reference", default="normal")
@@ -186,7 +186,7 @@ class Scene(Value):
     @model_validator(mode="before")
     @classmethod
     def _of_one_kind(cls, data: Any) -> Any:
-        """Fill in what a curtain begins with; refuse fields of the other kind."""
+        """Fill in the defaults of a curtain; refuse fields of the other kind."""
         if not isinstance(data, dict):
             return data
         curtain = data.get("curtain") is not None
@@ -356,7 +356,7 @@ def _of_picture(path: Path) -> dict:
 
 
 def header(scene: Scene) -> dict:
-    """What a picture keeps of the scene that it shows, for `write_image`; `load_scene` reads it back."""
+    """The scene as its picture keeps it, for `write_image`; `load_scene` reads it back."""
     return {"glcloth": __version__, "scene": scene.stored()}
 
 

@@ -39,7 +39,7 @@ class Brute:
         return self.triangles
 
     def inputs(self) -> dict[str, Any]:
-        """What inputs/accel/brute.glsl reads."""
+        """The inputs of inputs/accel/brute.glsl, by name."""
         return self._built.inputs()
 
     def chunks(self) -> Iterator[dict[str, int]]:

@@ -11,7 +11,7 @@ from .triangles import Triangles
 class OverGround:
     """An lbvh and the plane y = height, which is met from both sides; to passes that trace it is one structure.
 
-    What meets the plane has the number GROUND of trace/ground.glsl.
+    A hit on the plane has the number GROUND of trace/ground.glsl.
     """
 
     source = "inputs/accel/lbvh_ground.glsl"
@@ -23,12 +23,12 @@ class OverGround:
         self.chunks, self.arrays, self.release = structure.chunks, structure.arrays, structure.release
 
     def inputs(self) -> dict[str, Any]:
-        """What inputs/accel/lbvh_ground.glsl reads."""
+        """The inputs of inputs/accel/lbvh_ground.glsl, by name."""
         return self.structure.inputs() | {"ground_height": self.height}
 
     @property
     def triangles(self) -> Triangles | None:
-        """What the structure was built of."""
+        """The triangles that the structure was built of."""
         return self.structure.triangles
 
     @property

@@ -1,8 +1,8 @@
 """The kd-tree that is built on the GPU every frame.   [Zhou, Hou, Wang, Guo 2008; paper B section 4.3.2]
 
-Large nodes are split level by level, empty space first, then at that of LARGE_PLANES planes across each axis which costs
-least by the surface area heuristic; small ones at the best of all faces of their triangles' boxes, with masks instead of
-lists; then the nodes are written in preorder. What Zhou 2008 leaves open is decided so: a step costs C_TS triangle tests;
+Large nodes are split level by level, empty space first, then at the cheapest of LARGE_PLANES planes across each axis
+by the surface area heuristic; small ones at the best of all faces of their triangles' boxes, with masks instead of
+lists; then the nodes are written in preorder. Open in Zhou 2008 and chosen here: a step costs C_TS triangle tests;
 a candidate plane must lie strictly inside its node; a triangle in the plane goes left, and boxes are padded so that it
 goes both ways; large nodes that cannot be split well (their children would hold more than GROWTH_LIMIT times their
 triangles) become leaves; no tree is deeper than the tracer's stack. Two triangles that share an edge are one to the
@@ -31,7 +31,7 @@ LONGEST_LEAF = 60_000  # a loop over more triangles could end silently on a soft
 LANE_BYTES = 16 * CONSTANTS["LANE_TEXELS"]
 LANES_OF_ALL, FEWEST_LANES, MOST_LANES = 1024, 16, 128
 LANE_REFS = 0xFFFF  # the most references that a lane can count (glsl/trace/split.glsl side_counts)
-NODES_AT_FIRST, REFS_AT_FIRST = 3.0, 2.5  # for each pair of triangles: the first guess of what a tree takes
+NODES_AT_FIRST, REFS_AT_FIRST = 3.0, 2.5  # for each pair of triangles: a first guess
 # The buffers by their names in the passes (as texture, as block): texels per node, per reference, per reference in a leaf;
 # texel format. Two lists of active nodes change places level by level.
 BUFFERS = {
@@ -226,7 +226,7 @@ class KdTree:
     # -- tracing and looking -------------------------------------------------------------------------------------
 
     def inputs(self) -> dict[str, Any]:
-        """What inputs/accel/kdtree.glsl reads."""
+        """The inputs of inputs/accel/kdtree.glsl, by name."""
         tree = {name: self._buffers[name] for name in ("tree_nodes", "leaf_corners")}
         return tree | {"scene_low": self.low, "scene_high": self.high}
 

@@ -1,4 +1,4 @@
-"""A bounding volume hierarchy from sorted Morton codes, rebuilt every frame: what one would take today.   [Karras 2012]"""
+"""A bounding volume hierarchy from sorted Morton codes, rebuilt every frame: the usual choice today.   [Karras 2012]"""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ class Lbvh:
         programs(self.ctx).compute(path).run(items, self._inputs, **own)
 
     def inputs(self) -> dict[str, Any]:
-        """What inputs/accel/lbvh.glsl reads."""
+        """The inputs of inputs/accel/lbvh.glsl, by name."""
         return {name: self._buffers[name] for name in ("bvh_nodes", "leaf_corners")}
 
     def chunks(self) -> Iterator[dict[str, int]]:

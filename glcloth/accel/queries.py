@@ -17,8 +17,8 @@ VISITORS: dict[Visitor, str] = {"closest": "inputs/accel/visit_closest.glsl", "a
 
 
 class Hits(NamedTuple):
-    """What rays met: t [N] float32 (inf: nothing), triangle [N] int (-1: nothing), weights [N, 2] float32 (barycentric
-    coordinates of the second and third corner); work [N, 2] int (steps, triangle tests) when it was asked for."""
+    """The hits of rays: t [N] float32 (inf: nothing), triangle [N] int (-1: nothing), weights [N, 2] float32
+    (barycentric coordinates of the second and third corner); work [N, 2] int (steps, triangle tests) if asked for."""
 
     t: np.ndarray
     triangle: np.ndarray

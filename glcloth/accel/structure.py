@@ -1,4 +1,4 @@
-"""What every acceleration structure offers, and the structures by their names."""
+"""The contract of every acceleration structure, and the structures by their names."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Structure(Protocol):
     """An acceleration structure over `Triangles`; a pass traces through it by `#include "accel.glsl"`.
 
     source: the GLSL file with `traverse`. ordered_hits: whether that finds hits in their order, so that a visitor may ask
-    for all layers. triangles: what it was built of. timings: ms of each stage of the last build.
+    for all layers. triangles: those it was built of. timings: ms of each stage of the last build.
     """
 
     @property
@@ -47,7 +47,7 @@ class Structure(Protocol):
         """As `build`, in steps, for a caller with other things to do in between."""
 
     def inputs(self) -> dict[str, Any]:
-        """What `source` reads, by its names there."""
+        """The inputs of `source`, by their names there."""
 
     def chunks(self) -> Iterator[dict[str, int]]:
         """The uniforms of each dispatch that one query takes."""

@@ -1,4 +1,4 @@
-"""Measurements on this machine: what it is, and how long a frame takes by each method."""
+"""Measurements on this machine: its description, and how long a frame takes by each method."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = No
 
 
 def _variants(scene: Scene, methods: list[str]) -> list[tuple[str, dict]]:
-    """What is measured: names, which begin with the method's, and changes of the scene."""
+    """The variants to measure: their names, which begin with the method's, and their changes of the scene."""
     variants: list[tuple[str, dict]] = []
     for name in methods:
         if name == "direct":
@@ -117,7 +117,7 @@ def _measured(renderer: Renderer, prepared: dict[str, Frame], frames: int) -> di
     for label in track([label for _ in range(frames) for label in prepared], "bench: frames"):
         frame = prepared[label]
         if frame.scene.method != "reference":
-            renderer.draw(frame)  # what a resting cloth keeps: frames of the pixels, and what they see
+            renderer.draw(frame)  # a resting cloth keeps this: the pixels' frames and visibility
         renderer.ctx.finish()
         begin, begin_cpu = time.perf_counter(), time.process_time()
         renderer.draw(frame)
@@ -142,7 +142,7 @@ def _measured(renderer: Renderer, prepared: dict[str, Frame], frames: int) -> di
 
 
 def _with_ratios(results: dict[str, dict]) -> dict[str, dict]:
-    """The results, each with what it takes beside the same without shadows, and what others take beside it."""
+    """The results, each with its ratio to the same without shadows, and the ratios of other methods to it."""
     for label, value in results.items():
         bare = results.get(label.removesuffix("_shadows"))
         if bare is not value:
@@ -155,7 +155,7 @@ def _with_ratios(results: dict[str, dict]) -> dict[str, dict]:
 
 
 def shadow_costs(renderer: Renderer, frame: Frame, times: int) -> dict:
-    """What the shadows of a frame cost beside its pixels: placing and tracing once a pose, the means whenever the lights
+    """Costs of a frame's shadows beside its pixels: placing and tracing once a pose, the means whenever the lights
     turn (median of `times`), rays from the pixels once a view."""
     cloth = renderer.stage.cloths[0]
     vertices, mesh, structure = cloth.visibility.vertices, cloth.mesh, renderer.stage.occluders(frame)
@@ -230,7 +230,7 @@ def _swayed(mesh: Mesh, number: int) -> Mesh:
     corners = mesh.positions[mesh.triangles[:, :2]].astype(float)
     edge = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1).mean()
     phase = 6.0 / mesh.radius * mesh.positions[:, [2, 0, 1]].astype(float)
-    # The mean of |d sin| over a step is that of |cos| times the step.
+    # The mean of |d sin| over a step is the mean of |cos| times the step.
     way = SWAY * edge * np.sqrt(np.pi) / STEP * np.sin(phase + STEP * number)
     return replace(mesh, positions=mesh.positions + way / np.sqrt(3))
 

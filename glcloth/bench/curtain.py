@@ -57,7 +57,7 @@ def bench_curtain(
 
 
 def _animated_frame(show: CurtainShow) -> tuple[dict, dict]:
-    """Simulate, build and trace the next frame: what that took, and what the stages of the build took, in ms."""
+    """Simulate, build and trace the next frame; returns the times of these, and of the stages of the build, in ms."""
     clock, cpu = [time.perf_counter()], time.process_time()
     for work in (show.advance, show.build):
         work()

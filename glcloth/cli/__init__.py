@@ -1,4 +1,4 @@
-"""The command line: each command reads its options, calls the package, and says in one line what it did or what is wrong."""
+"""The command line: each command reads options, calls the package, and reports the result or the error in one line."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def main(arguments: list[str] | None = None) -> None:
 
 
 def _told(error: BaseException) -> tuple[int, str]:
-    """The exit code of an error, and the line that says what is wrong."""
+    """The exit code of an error, and the line that explains it."""
     if isinstance(error, CycloptsError | InputError):
         return 2, str(error)
     if isinstance(error, NoOpenGLError):

@@ -1,4 +1,4 @@
-"""What commands have in common: options that several have, and how a result is told."""
+"""Options that several commands share, and the printing of a result."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ Device = Annotated[int | None, Parameter(help="EGL device; `glcloth info` lists 
 
 
 def output_option(text: str) -> Parameter:
-    """The option that names what a command writes."""
+    """The option that names the file a command writes."""
     return Parameter(name=["--output", "-o"], help=text)
 
 

@@ -84,7 +84,7 @@ def scene_options() -> str:
 
 
 def _type(annotation: Any) -> str:
-    """What an option is read as; the scene makes the rest of a text, and says what is wrong with it."""
+    """The type that an option is read as; the scene parses the rest of a text, and reports its errors."""
     if get_origin(annotation) is tuple and get_args(annotation)[-1] is Ellipsis:
         return "list[str]"
     return annotation.__name__ if annotation in (bool, int, float) else "str"
@@ -97,7 +97,7 @@ def _help(entry: Entry, of: str) -> str:
 
 
 def files() -> dict[Path, str]:
-    """Every file that is written, and what it holds."""
+    """Every file that is written, and its text."""
     return {DOCUMENT: scene_document(), OPTIONS: scene_options()}
 
 

@@ -1,4 +1,4 @@
-"""`glcloth env`: lights of an environment; `glcloth tables`: what the paper's method reads."""
+"""`glcloth env`: lights of an environment; `glcloth tables`: the tables of the paper's method."""
 
 from __future__ import annotations
 

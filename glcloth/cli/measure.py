@@ -1,4 +1,4 @@
-"""`glcloth diff`, `glcloth info`, `glcloth bench`: what is measured."""
+"""`glcloth diff`, `glcloth info`, `glcloth bench`: measurements."""
 
 from __future__ import annotations
 

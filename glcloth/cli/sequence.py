@@ -135,7 +135,7 @@ def _swayed(swaying: Swaying, rate: int, number: int) -> Mesh:
 
 
 def _header_of_frame(scene: Scene, files: list[Path] | None, turn: float, number: int) -> dict:
-    """What a picture of a sequence keeps of its scene."""
+    """The scene as a picture of a sequence keeps it."""
     from ..scene import header
 
     changes: dict = {"mesh": str(files[number])} if files else {}

@@ -19,7 +19,7 @@ from ..scene import CurtainParameters
 from ..simulation.cloth import Cloth, ClothParameters, Wind
 from ..simulation.solids import Plane
 
-# What may change while the curtain moves; for anything else it is hung anew.
+# These may change while the curtain moves; for anything else it is hung anew.
 LIVE = ("wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
 
 

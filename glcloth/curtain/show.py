@@ -29,7 +29,7 @@ VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
 
 
 def camera_of(scene: Scene) -> Camera:
-    """The camera of a curtain's scene; what it leaves open is that of the built-in room."""
+    """The camera of a curtain's scene; missing values are those of the built-in room."""
     c = scene.camera
     return Camera(c.eye or VIEW.eye, c.target or VIEW.target, c.up, c.fov_deg or VIEW.fov_deg)
 
@@ -134,7 +134,7 @@ class CurtainShow:
         return same and scene.frame >= self.frame and (scene.room, _changed_at(scene.room)) == self._room
 
     def facts(self) -> dict:
-        """What its picture shows, in plain values."""
+        """Facts about its picture, in plain values."""
         return {
             "method": "trace", "fabric": self.fabric.name, "frame": self.frame, "triangles": self.triangles.count
         }  # fmt: skip
@@ -159,8 +159,7 @@ class CurtainShow:
             self._built.add(accelerator)
 
     def shot(self, other: Scene | None = None) -> Shot:
-        """What the tracer shows of the scene, or of another one whose fabric and rays to take; the curtain hangs as it
-        hangs."""
+        """The scene as the tracer takes it; `other`: a scene whose fabric and rays to take for the same curtain."""
         s = other or self.scene
         fabric = self.fabric if other is None else load_fabric(other.fabric)
         settings = TraceSettings(s.depth, s.spp, s.spread, s.cutoff, s.accelerator)
@@ -201,7 +200,7 @@ class CurtainShow:
         return draw_tree(self.ctx, self.tree_content(camera or camera_of(self.scene)), self.scene.size, level)
 
     def tree_content(self, camera: Camera) -> TreeContent:
-        """What a picture of the structure shows of the present frame."""
+        """The content of a picture of the structure of the present frame."""
         self.build()
         arrays = self.tracer.structure(self.scene.accelerator).arrays()
         positions = self.triangles.positions()

@@ -1,1 +1,1 @@
-"""Meshes, their files and built-in shapes, cameras, and what stands about the cloth: plain values."""
+"""Meshes, their files and built-in shapes, cameras, objects and the ground: plain values."""

@@ -25,7 +25,7 @@ class Ground:
     Parameters
     ----------
     height : y, metres
-    center : x, z of the middle of what is drawn
+    center : x, z of the middle of the drawn part
     scale : metres; the rings about the middle are scale / (RINGS / 2) apart at it, four times that at `scale` from it
     color : diffuse reflectance, linear Rec. 709
     """

@@ -1,4 +1,4 @@
-"""One instance of a class for each context: what all rooms share on it, without handing it round."""
+"""One instance of a class for each context: shared by all rooms without handing it round."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The environment as a texture: what stands behind a picture, and what rays meet that leave the scene."""
+"""The environment as a texture: the background of a picture, and of rays that leave the scene."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Keep what was made last, until what it was made from changes."""
+"""Keep the last result until its inputs change."""
 
 from __future__ import annotations
 

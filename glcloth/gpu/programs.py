@@ -308,7 +308,7 @@ def _key(path: str, defines: Inputs | None, virtual: Mapping[str, str] | None) -
 
 
 def _compiled(compile, where_of) -> Any:
-    """What `compile` returns; its error with the lines of our files."""
+    """The result of `compile`; its error names the lines of our files."""
     try:
         return compile()
     except Exception as error:

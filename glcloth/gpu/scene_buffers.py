@@ -16,7 +16,7 @@ from .memo import Last
 
 
 def fabric_records(fabric: Fabric, part: int | None = None) -> bytes:
-    """Two Yarns, then the Tangents in the order of `fabric.tangents` (those of yarn 0 first); `part` as in SceneBuffers."""
+    """Two Yarns, then the Tangents in the order of `fabric.tangents` (yarn 0 first); `part` as in SceneBuffers."""
     yarns = np.zeros(2, struct("Yarn"))
     for record, yarn in zip(yarns, fabric.yarn, strict=True):
         record["A"] = yarn.albedo
@@ -63,7 +63,7 @@ class SceneBuffers:
 
         Parameters
         ----------
-        lights : None: those of the last call stay
+        lights : None: the last ones stay
         part : number of a tangent: of the sum over tangents only its term is left
         """
         self._fabric.get(lambda: self._upload_fabric(fabric, part), fabric, part)
@@ -87,7 +87,7 @@ class SceneBuffers:
         return self._fabric.key[0] if self._fabric.key else None
 
     def inputs(self) -> dict[str, Any]:
-        """What inputs/picture/fabric.glsl declares and, where there are lights, inputs/picture/lights.glsl."""
+        """The inputs of inputs/picture/fabric.glsl and, where there are lights, of inputs/picture/lights.glsl."""
         return {**(self._fabric.value or {}), **(self._lights.value or {})}
 
     def release(self) -> None:

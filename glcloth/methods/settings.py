@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, get_args
 
+from ..errors import InputError
 from ..scene import Quality, ShadowMode
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ class Settings:
     shadows : "sun" hard ones of the suns, "full" those of the Gaussians too
     bounce : with shadows "full", light that goes from cloth to cloth once, as from a diffuse surface
     environment, rotation : the map, and its rotation matrix [3, 3] (new direction = rotation @ direction), for light "map"
+
+    Raises InputError for a name or a kind of value that is not among these.
     """
 
     quality: Quality = "normal"
@@ -39,3 +42,19 @@ class Settings:
     bounce: bool = True
     environment: Environment | None = None
     rotation: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        for name, known in (
+            ("quality", get_args(Quality)),
+            ("light", ("sg", "map")),
+            ("shadows", get_args(ShadowMode)),
+        ):
+            if getattr(self, name) not in known:
+                raise InputError(f"{name} = {getattr(self, name)!r}: expected {', '.join(known)}")
+        for name in ("segments", "cube", "grid"):
+            if not isinstance(getattr(self, name), int) or getattr(self, name) < 1:
+                raise InputError(f"{name} = {getattr(self, name)!r}: expected a whole number above 0")
+        if not isinstance(self.contribution, int | float):
+            raise InputError(f"contribution = {self.contribution!r}: expected a number from 0.5 to 0.9999")
+        if self.light == "map" and self.environment is None:
+            raise InputError('light = "map": give the environment too, or take light = "sg"')

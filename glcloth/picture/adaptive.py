@@ -22,7 +22,7 @@ class AdaptiveRate:
 
     Between its shaded neighbours a pixel is interpolated by cubics; second differences, and how far its own normal
     (known everywhere) lies from where theirs put it, estimate the error. Above `tolerance` it is shaded itself, as it is
-    at edges. docs/direct.md says what the error is in fact.
+    at edges. docs/direct.md has the measured error.
     """
 
     def __init__(self, ctx: moderngl.Context, tolerance: float = TOLERANCE):
@@ -45,7 +45,7 @@ class AdaptiveRate:
         ----------
         program, list_program : shade.frag and shade_list.comp of passes/picture with one method
         narrowest_lobe : gamma, radians
-        inputs : what both read
+        inputs : of both
         """
         self._reserve(buffer.size)
         cover = programs(self.ctx).screen("passes/picture/adaptive_cover.frag")
@@ -65,14 +65,16 @@ class AdaptiveRate:
         )  # fmt: skip
         self.ctx.memory_barrier()
         values = {"Pixels": self._list, "color": buffer.color}
-        if pace.rows is None:
+        most = list_program.group_size[0] * programs(self.ctx).most_groups  # that one dispatch takes
+        if pace.rows is None and buffer.size[0] * buffer.size[1] <= most:
             list_program.run_indirect(self._list, inputs(), buffer.inputs(), values, first=0)
             yield
             return
         left, done = self.shaded(), 0
         yield
         while done < left:
-            count = min(max(64, pace.rows() * buffer.size[0] // 64 * 64), left - done)
+            rows = buffer.size[1] if pace.rows is None else pace.rows()
+            count = min(max(64, rows * buffer.size[0] // 64 * 64), left - done, most)
             list_program.run(count, inputs(), buffer.inputs(), values, first=done)
             self.ctx.finish()
             done += count

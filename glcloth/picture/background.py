@@ -13,7 +13,7 @@ from .frame import Frame
 
 
 class Background:
-    """Fills what the surfaces leave uncovered."""
+    """Fills the pixels that the surfaces leave uncovered."""
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx

@@ -25,7 +25,7 @@ from ..visibility.pixels import is_next_pose
 
 @dataclass(frozen=True, eq=False)
 class Cloth:
-    """One cloth of a frame: a mesh and what it is woven of."""
+    """One cloth of a frame: a mesh and its fabric."""
 
     mesh: Mesh
     fabric: Fabric
@@ -33,13 +33,13 @@ class Cloth:
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A scene whose files are read and whose lights are fitted: what one draw needs.
+    """A scene whose files are read and whose lights are fitted: all that one draw needs.
 
     Parameters
     ----------
     cloths : at least one
     lights : in world space, the turn of the environment included
-    objects : what stands about the cloths; None: nothing
+    objects : those around the cloths; None: none
     """
 
     scene: Scene
@@ -66,7 +66,7 @@ class Frame:
 
 
 class Frames:
-    """Makes frames; what they share with the last one is the same object, so that nothing is done twice."""
+    """Makes frames; each shares its unchanged parts with the last one, so that nothing is done twice."""
 
     def __init__(self) -> None:
         self.follow = False  # the next mesh with the same triangles is the next pose of a cloth that moves
@@ -141,12 +141,12 @@ class Frames:
         return name if isinstance(name, Fabric) else self._loaded(load_fabric, name)
 
     def _loaded(self, load: Callable[[str], Any], name: str) -> Any:
-        """What `load` makes of a name or file; the last one of each kind is kept until its file changes."""
+        """The result of `load` for a name or file; the last one of each kind is kept until its file changes."""
         return self._files.setdefault(load, Last()).get(lambda: load(name), name, _stamp(name))
 
 
 def _stamp(name: str) -> int:
-    """When a file changed; 0 for what is no file."""
+    """When a file changed; 0 where there is no file."""
     path = Path(name)
     return path.stat().st_mtime_ns if path.is_file() else 0
 
@@ -167,7 +167,7 @@ def _settings(scene: Scene, environment: Environment) -> Settings:
 
 
 def default_camera(mesh: Mesh, scene: Scene) -> Camera:
-    """The camera of a scene; what the scene leaves open is chosen so that the mesh fills the picture."""
+    """The camera of a scene; missing values are chosen so that the mesh fills the picture."""
     view, size = scene.camera, scene.size
     fitted = mesh_camera(mesh, size[0] / size[1])
     fov_deg = view.fov_deg or fitted.fov_deg

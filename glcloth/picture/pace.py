@@ -22,8 +22,8 @@ class Pace:
     Parameters
     ----------
     rows : called before each part: how many rows of the picture it may shade; None: all at once
-    preview : make do with what is known of the shadows so far
-    announce : what a progress bar says; None: no bar
+    preview : make do with the shadows as far as they are known
+    announce : text of a progress bar; None: no bar
     """
 
     rows: Callable[[], int] | None = None

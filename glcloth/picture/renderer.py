@@ -51,7 +51,7 @@ class Renderer:
         self._target: Target | None = None
         self._background = Background(self.ctx)
         self._show: CurtainShow | None = None
-        self._last: Frame | CurtainShow | None = None  # what was rendered last
+        self._last: Frame | CurtainShow | None = None  # the last one rendered
 
     def __enter__(self) -> Renderer:
         return self
@@ -122,7 +122,7 @@ class Renderer:
         return self._show
 
     def facts(self) -> dict[str, Any]:
-        """What the last picture of `render` shows, in plain values."""
+        """Facts about the last picture of `render`, in plain values."""
         if not isinstance(self._last, Frame):
             return {} if self._last is None else self._last.facts()
         frame = self._last
@@ -135,7 +135,7 @@ class Renderer:
         }
 
     def render_frame(self, frame: Frame) -> np.ndarray:
-        """Draw a prepared frame and read it back; returns what `render` returns."""
+        """Draw a prepared frame and read it back; result as for `render`."""
         self._last = frame
         self.draw(frame)
         picture = self.target.read()
@@ -184,7 +184,7 @@ class Renderer:
             self._background.draw(frame, target.framebuffer)
 
     def _trace(self, pace: Pace) -> None:
-        """Trace what the vertices lack, or as much as a first impression needs."""
+        """Trace the missing directions of the vertices, or as many as a first impression needs."""
         seeing = [surface.visibility for surface in self.stage.surfaces]
         if pace.preview:
             for visibility in seeing:
@@ -196,7 +196,7 @@ class Renderer:
     def _see(
         self, target: Target, frame: Frame, offset: tuple[float, float], sample: tuple[int, int], pace: Pace
     ) -> Iterator[None]:
-        """Draw the surfaces, and find what their pixels see."""
+        """Draw the surfaces, and find the visibility of their pixels."""
         for _ in target.draw(self.stage.surfaces, frame.camera, offset, pace.draw_rows(target.size)):
             yield from pace.pause(self.ctx)
         yield from self.stage.see(target, frame, sample, pace)
@@ -227,8 +227,8 @@ class Renderer:
     # -- in between --------------------------------------------------------------------------------------------------
 
     def trace_visibility(self, frame: Frame, count: int = 32, enough: int | None = None) -> Iterator[int]:
-        """Trace what a frame's shadows lack, `count` directions a step; nothing where they are complete or off, or, for a
-        first impression, where `enough` directions are traced.
+        """Trace the missing directions of a frame's shadows, `count` a step; none where these are complete or off, or,
+        for a first impression, where `enough` are traced.
 
         Yields how many directions are traced.
         """
@@ -236,8 +236,8 @@ class Renderer:
         yield from self.stage.trace(count, enough)
 
     def follow_poses(self, follow: bool = True) -> None:
-        """Take meshes with the same triangles for poses of one cloth that moves: of what its vertices see a quarter is
-        traced anew at each, the rest is that of the last three. A cut, a jump of the cloth, is noticed."""
+        """Take meshes with the same triangles for poses of one cloth that moves: each pose traces a quarter of its
+        vertices' directions anew, and keeps the rest from the last three. A cut, a jump of the cloth, is noticed."""
         self._frames.follow = follow
         self.stage.follow_poses(follow)
 
@@ -288,8 +288,12 @@ class Renderer:
         for wrong input.
         """
         omega_o = np.atleast_2d(np.asarray(omega_o, np.float32))
-        if omega_o.ndim != 2 or omega_o.shape[1] != 3 or not np.isfinite(omega_o).all():
-            raise InputError(f"omega_o has shape {omega_o.shape}, expected [N, 3] finite unit directions")
+        if (
+            omega_o.ndim != 2
+            or omega_o.shape[1] != 3
+            or not np.allclose(np.linalg.norm(omega_o, axis=-1), 1.0, atol=0.01)
+        ):
+            raise InputError(f"omega_o: shape {omega_o.shape}, expected [N, 3] finite directions of length 1")
         fabric, lights = load_fabric(fabric), as_lights(lights)
         chosen, how = self.method(method), Settings(quality=quality, **settings)
         buffers = self.stage.cloths[0].scene_buffers

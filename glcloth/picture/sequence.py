@@ -58,7 +58,7 @@ def moving(
     turntable: bool = False,
     turn_env: float = 0.0,
 ) -> Iterator[np.ndarray]:
-    """Yield the pictures `start` to `count` - 1 of a sequence; `frame` is what does not change.
+    """Yield the pictures `start` to `count` - 1 of a sequence; `frame` holds all that does not change.
 
     Parameters
     ----------
@@ -66,8 +66,8 @@ def moving(
     turntable : one turn of the camera around the cloth
     turn_env : degrees by which the environment turns; frame `count` would have turned by all of them
 
-    What vertices see is that of four poses: a sequence that begins at `start` looks at those before. They are the same
-    bits as in the whole sequence but for where rays start, which the first pose that is looked at decides.
+    Vertices keep visibility from four poses: a sequence that begins at `start` traces the poses before it, too. The
+    bits are as in the whole sequence but for where rays start, which the first traced pose decides.
     """
 
     def at(i: int) -> Frame:
@@ -85,7 +85,7 @@ def moving(
         )
 
     renderer.follow_poses(poses is not None)
-    # Turns of four poses, of which each looks into its own directions.
+    # Rounds of four poses: each traces directions of its own.
     for i in range(max(0, start // POSES - 1) * POSES if poses is not None else start, start):
         for _ in renderer.trace_visibility(at(i)):
             pass
@@ -145,7 +145,7 @@ def write_frames(
     exposure: float,
     transform: str,
 ):
-    """Write numbered pictures, each whole or not at all, with their settings or what makes them of a frame's number;
+    """Write numbered pictures, each whole or not at all, with their settings (or a function of the frame's number);
     yields after each, so that the caller can show progress."""
     for number, picture in enumerate(pictures, start):
         path = frame_name(pattern, number)

@@ -1,4 +1,4 @@
-"""What stands about the cloth as a surface: objects and a ground, lit as Lambertians.   [own, docs/shadows.md]"""
+"""The objects and the ground as a surface, lit as Lambertians.   [own, docs/shadows.md]"""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Solids(Surface):
         self.original = _joined(fine)
         self._place(lambda: MeshBuffers(self.ctx, self.original, None, self.hiding), self.original)
 
-    # -- what it is --------------------------------------------------------------------------------------------------
+    # -- its contract ------------------------------------------------------------------------------------------------
 
     @property
     def broad(self) -> None:
@@ -84,7 +84,7 @@ class Solids(Surface):
         return HitSurface(self.original, self.original, self.offsets, self.hiding, self.objects.ground)
 
     def triangle_reflectances(self) -> np.ndarray:
-        """Of every triangle [T, 4] float32; one row more for what is met of the ground."""
+        """Of every triangle [T, 4] float32; one row more for hits on the ground."""
         parts = [np.repeat(r, n, axis=0) for r, n in zip(self.objects.reflectances, self._shares, strict=True)]
         color = self.objects.ground.color if self.objects.ground else (0.0, 0.0, 0.0)
         rows = np.zeros((len(self.mesh.triangles) + 1, 4), "f4")
@@ -134,7 +134,7 @@ class Solids(Surface):
         return programs(self.ctx).screen("passes/picture/lambert.frag", None, virtual)
 
     def _means(self, view: PixelView) -> dict[str, Any]:
-        """Gaussians and suns, each as far as it is seen, and what comes back."""
+        """Gaussians and suns, each as far as it is seen, and the bounced light."""
         mode = self.visibility.mode
         return {
             **self._lit_by.scene_buffers.inputs(),

@@ -1,4 +1,4 @@
-"""What stands where on the GPU: the surfaces of a frame, and what hides light from them."""
+"""The surfaces of a frame on the GPU, and the structure of all that hides light from them."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ OCCLUDER_STRUCTURE = "lbvh"  # any-hit rays of the built-in cloth: as fast as th
 
 
 def shadow_mode(frame: Frame) -> ShadowMode:
-    """What hides what where vertices and pixels look for themselves; the reference traces its own."""
+    """The mode of shadows that vertices and pixels trace; the reference traces its own."""
     scene = frame.scene
     if scene.method == "reference" or (scene.shadows == "sun" and not len(frame.lights.suns)):
         return "off"
@@ -35,20 +35,20 @@ def shadow_mode(frame: Frame) -> ShadowMode:
 
 
 class Stage:
-    """Keeps the surfaces from frame to frame, so that what did not change is not made again."""
+    """Keeps the surfaces from frame to frame, so that nothing unchanged is made again."""
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
         self.cloths = [ClothSurface(ctx)]
-        self.cloths_in_frame: list[ClothSurface] = []  # of the last frame,
-        self.surfaces: list[Surface] = []  # and with what stands about them
+        self.cloths_in_frame: list[ClothSurface] = []  # of the last frame
+        self.surfaces: list[Surface] = []  # and the objects with them
         self._solids = Solids(ctx)
         self._bounce = Bounce(ctx)
         self._bounces = False
         self._structure: Last[Structure] = Last()
         self._triangles: Triangles | None = None
         self._tree: Structure | None = None
-        self._reflectance_data = TextureBuffer(ctx, 16)  # of what rays meet beside the first cloth
+        self._reflectance_data = TextureBuffer(ctx, 16)  # of all surfaces but the first cloth
 
     def take(self, frame: Frame) -> list[Surface]:
         """Take a frame: returns its surfaces, ready to be drawn, to see and to be shaded."""
@@ -67,7 +67,7 @@ class Stage:
         return self.surfaces
 
     def _look(self, frame: Frame, mode: ShadowMode) -> None:
-        """Tell each surface what hides light from it; nothing is traced yet."""
+        """Give each surface its occluders; nothing is traced yet."""
         structure = self.occluders(frame) if mode != "off" else None
         hit_vertices = self._bounce.hit_vertices
         several = len(self.surfaces) > 1
@@ -84,7 +84,7 @@ class Stage:
             )
 
     def occluders(self, frame: Frame) -> Structure:
-        """The structure over what hides light: the triangles of the surfaces, one after the other, and the ground."""
+        """The structure over all that hides light: the surfaces' triangles, one after the other, and the ground."""
         originals = tuple(surface.original for surface in self.surfaces)
         return self._structure.get(lambda: self._built(frame), originals)
 
@@ -108,15 +108,15 @@ class Stage:
         for surface in (*self.cloths, self._solids):
             surface.visibility.follow_poses(follow)
 
-    # -- what a frame does before it is shaded -----------------------------------------------------------------------
+    # -- the work of a frame before shading --------------------------------------------------------------------------
 
     def trace(self, count: int = 32, enough: int | None = None) -> Iterator[int]:
-        """Trace what the vertices of the surfaces lack; see `Renderer.trace_visibility`."""
+        """Trace the missing directions of all vertices; see `Renderer.trace_visibility`."""
         for surface in self.surfaces:
             yield from surface.visibility.steps(count, enough)
 
     def geometry_jobs(self, frame: Frame) -> list[Callable[[], None]]:
-        """What is to be called, in this order, for methods that cast rays as they shade."""
+        """The jobs to run, in this order, for methods that cast rays as they shade."""
         traced = [cloth.method for cloth in self.cloths_in_frame if cloth.method.traced]
         if not traced:
             return []
@@ -124,7 +124,7 @@ class Stage:
         return [job for method in traced for job in method.set_geometry(geometry)]
 
     def _geometry(self, frame: Frame) -> Geometry:
-        """What rays meet, and how much of the light that falls there goes back."""
+        """The surfaces that rays meet, and the share of light that each reflects."""
         structure, hit_vertices = self.occluders(frame), self._bounce.hit_vertices
         hit_vertices.prepare([surface.hit_surface for surface in self.surfaces], structure.triangles)
         albedos = [cloth.method.albedo for cloth in self.cloths_in_frame]
@@ -141,7 +141,7 @@ class Stage:
         )
 
     def see(self, target: Target, frame: Frame, sample: tuple[int, int], pace: Pace) -> Iterator[None]:
-        """Find what the pixels see of the lights, and of each other."""
+        """Find how far the pixels see the lights, and each other."""
         if shadow_mode(frame) == "off":
             return
         parts = [target.part(surface) for surface in self.surfaces]

@@ -1,4 +1,4 @@
-"""What is drawn, sees the lights and is shaded: the contract of cloth and of what stands about it."""
+"""A surface is drawn, sees the lights and is shaded: the contract of cloth and of objects."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Surface(ABC):
     @property
     @abstractmethod
     def hit_surface(self) -> HitSurface:
-        """What rays from other surfaces meet."""
+        """The surface as rays from others meet it."""
 
     @property
     @abstractmethod
@@ -72,7 +72,7 @@ class Surface(ABC):
         return camera.depth_range(self.buffers.low, self.buffers.high)
 
     def see(self, view: PixelView, sample: tuple[int, int], pace: Pace) -> Iterator[None]:
-        """Find what the pixels of a view see of the lights; `sample`: its number, and how many there are."""
+        """Find how far the pixels of a view see the lights; `sample`: its number, and how many there are."""
         view.visibility.integrate(self.broad)
         yield from pace.pause(self.ctx)
         view.resolve(self.broad, sample)
@@ -89,10 +89,10 @@ class Surface(ABC):
 
         Parameters
         ----------
-        view : what these pixels see of the lights
+        view : how far these pixels see the lights
         number : of the pass
         weight : of this sample in a pixel
-        add : to what is there
+        add : to the present picture
         rows : (first, count), counted from below: only these
         """
 

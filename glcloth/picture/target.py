@@ -18,7 +18,7 @@ KEPT_SIZES = 3  # pictures that stay when the size changes, so that a window can
 
 
 class Part(NamedTuple):
-    """What one surface has on a target: its frames and depth, and what these pixels see of the lights."""
+    """One surface on a target: its frames and depth, and how far these pixels see the lights."""
 
     buffer: GBuffer
     view: PixelView
@@ -36,7 +36,7 @@ class Target:
         self._order: DepthOrder | None = None
 
     def part(self, surface: Surface) -> Part:
-        """What a surface has here, made at first use."""
+        """The part of a surface, made at first use."""
         if surface not in self._parts:
             buffer = GBuffer(self.ctx, self.size, self.color)
             self._parts[surface] = Part(buffer, PixelView(surface.visibility, buffer))
@@ -48,7 +48,7 @@ class Target:
         """Draw surfaces, so many rows at a time, each pixel sampled at its centre + `offset`; then each G-buffer covers
         the pixels where its surface is the nearest. Nothing is done where they hold just that.
 
-        The last surface comes first: what stands about the cloth is drawn whole and then cut where cloth hides it.
+        The last surface comes first: the objects are drawn whole and then cut where cloth hides them.
         """
         ranges = [surface.depth_range(camera) for surface in surfaces]
         far = max(far for _, far in ranges)

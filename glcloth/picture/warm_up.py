@@ -16,9 +16,9 @@ WARM_UP = ((4, 20.0), (4, 4.0), (5, 4.0), (8, 4.0), (4, 20.0))
 
 
 def warm_up(renderer: Renderer, frame: Frame) -> Iterator[None]:
-    """Compile what later edits of the weave may need, one way of packing tangents at each step, by drawing a frame's
-    scene at 22x18 with other tangents. Without it the first frame of such an edit waits for its compiler. The lights
-    stay, so that what the cloth sees of them need not be traced again.
+    """Compile programs that later edits of the weave may need, one way of packing tangents at each step, by drawing a
+    frame's scene at 22x18 with other tangents. Without it the first frame of such an edit waits for its compiler. The
+    lights stay, so that their visibility need not be traced again.
     """
     warp, weft = frame.fabric.yarn
     plain = {"curve_angles_deg": None, "curve_lengths": None, "samples": None}

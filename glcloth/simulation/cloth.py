@@ -53,7 +53,7 @@ class ClothParameters:
     along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap:
     kept between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only
     those of one row, at most so many columns apart. hem: factor on the mass of the last row. air_substeps: for how many
-    substeps the air's force serves. rows_last: solve columns before rows; what is solved last is stretched least.
+    substeps the air's force serves. rows_last: solve columns before rows; the last ones solved stretch least.
     """
 
     spacing: tuple[float, float]
@@ -106,7 +106,7 @@ class Cloth:
     `normal_buffer`, `tangent_buffer` (w = 1), the last two after `update_frames()`.
     """
 
-    # Self-contact lists are made every so many substeps, and hold what is nearer than LIST_REACH gaps.
+    # Self-contact lists are made every so many substeps, and hold vertices nearer than LIST_REACH gaps.
     LIST_SUBSTEPS = 4
     ROW_LIST_SUBSTEPS = 6
     LIST_REACH = 1.6

@@ -24,7 +24,7 @@ class Canvas:
         self._target.clear(color=(float(color[0]), float(color[1]), float(color[2]), 1.0))
 
     def draw(self, program: Draw, mode: int, vertices: int, first: int = 0, blend: bool = False) -> None:
-        """Draw vertices that the program, bound, fetches by their numbers; hidden by what is nearer.
+        """Draw vertices that the program, bound, fetches by their numbers; nearer surfaces hide them.
 
         blend : blend by alpha, premultiplied, and hide nothing
         """

@@ -1,4 +1,4 @@
-"""How much light a fabric reflects, and how much it may: what the tracer needs once per fabric, by quadrature."""
+"""How much light a fabric reflects, and how much it may: by quadrature, once per fabric, for the tracer."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What lights a traced scene: one lamp, even light, and what rays see beyond the scene."""
+"""The light of a traced scene: one lamp, even light, and a background for rays that leave."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ def draw_layers(
     ----------
     positions : [T, 3, 3], the triangles as they are on the GPU; cloth : [T] bool, the transparent ones
     background : radiance [3] behind everything
-    inputs : what passes/tracing/layers.frag reads of surfaces, fabric and light
+    inputs : of passes/tracing/layers.frag: surfaces, fabric and light
 
     Returns float32 [H, W, 3], linear, top row first.
     """

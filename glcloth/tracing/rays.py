@@ -36,7 +36,7 @@ class Tile(NamedTuple):
 
     @property
     def rays(self) -> int:
-        """Camera rays of one sample, those of pixels beyond the picture's edge included."""
+        """Camera rays of one sample, including pixels beyond the picture's edge."""
         return BLOCK[0] * BLOCK[1] * self.blocks[0] * self.blocks[1]
 
     def pixels(self, size: tuple[int, int]) -> int:
@@ -47,9 +47,9 @@ class Tile(NamedTuple):
 
 @dataclass(frozen=True)
 class Picture:
-    """What all tiles of a picture have in common.
+    """The values that all tiles of a picture share.
 
-    structure : built. inputs : what the passes read of scene, camera and light. buffer : where samples are added, a vec4
+    structure : built. inputs : of the passes, from scene, camera and light. buffer : where samples are added, a vec4
     a pixel. statistics : to add to.
     """
 
@@ -152,7 +152,7 @@ class Rays:
         picture.statistics.add(level, now.count, heads, shadows, stages)
 
     def _cast(self, picture: Picture, level: int) -> int:
-        """Find what the new heads meet: their layers, or with a stride of 1 the nearest hit; how many heads there are."""
+        """Find the new heads' hits: layers, or with a stride of 1 the nearest one; how many heads there are."""
         structure, stride = picture.structure, picture.stride
         first, count = self._cast_count, self._head_count - self._cast_count
         self._cast_count = self._head_count

@@ -1,4 +1,4 @@
-"""What a traced picture shows of a scene and how it is traced; what the last one took."""
+"""The view of a scene that a traced picture shows, how it is traced, and the costs of the last one."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class TraceSettings:
     """How a picture is traced.
 
     depth : generations of rays, 1 to 8 (the paper's level 4). spp : samples per pixel. spread : draw transmitted
-    directions from the fabric's lobes, so that what is seen through the yarns blurs (needs many samples) instead of going
+    directions from the fabric's lobes, so that the view through the yarns blurs (needs many samples) instead of going
     straight on. cutoff : rays that count for less are not followed. accelerator : kdtree, lbvh or brute.
     """
 
@@ -40,7 +40,7 @@ class TraceSettings:
 
 @dataclass(frozen=True)
 class Shot:
-    """What a picture shows of a scene, and how.
+    """A view of a scene, and how it is traced.
 
     size : width, height in pixels. environment : seen by rays that leave the scene, turned by `env_rotate` degrees.
     offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `settings.spp` points.
@@ -76,7 +76,7 @@ class Shot:
 
 @dataclass
 class TraceStatistics:
-    """What the last picture took: rays and shadow rays per generation, how many rays were heads of a straight way and so
+    """Costs of the last picture: rays and shadow rays per generation, how many rays were heads of a straight way and so
     were cast, ms of each stage per generation (`build` by the structure's stages), ms in all."""
 
     rays: list[int] = field(default_factory=list)

@@ -1,7 +1,7 @@
 """The ray tracer of paper B: any triangles, of cloth and of other materials, in the light of a lamp.   [Mat section 4.2]
 
-`rays` traces generation by generation; here is what it traces: the scene, its structures, light and camera. Large
-pictures are made in tiles.
+`rays` traces generation by generation; this file holds the scene, its structures, light and camera. Large pictures
+are made in tiles.
 """
 
 from __future__ import annotations
@@ -163,7 +163,7 @@ class Tracer:
         return draw_layers(self.ctx, triangles.positions(), cloth, shot.camera, shot.size, background, inputs)
 
     def _inputs(self, shot: Shot) -> dict[str, Any]:
-        """What inputs/tracing/local_light.glsl reads: surfaces, fabric and light."""
+        """The inputs of inputs/tracing/local_light.glsl: surfaces, fabric and light."""
         limit = reflection_limit(shot.fabric)
         self._fabric.prepare(shot.fabric)
         return {
@@ -180,7 +180,7 @@ class Tracer:
         }
 
     def _way_inputs(self, shot: Shot) -> dict[str, Any]:
-        """What the passes of `rays` read besides: where rays begin and end, and what they see beyond the scene."""
+        """More inputs of the passes of `rays`: where rays begin and end, and the background beyond the scene."""
         padding, eye = self.triangles.padding, shot.camera.eye
         scale = padding / PADDING
         sky = {} if shot.environment is None else {"environment_map": self._environment.texture(shot.environment)}
@@ -188,8 +188,7 @@ class Tracer:
             "eye": eye,
             "ray_from_pixel": shot.camera.ray_from_pixel(shot.size),
             "far": 4.0 * (scale + _largest(eye)) * 3**0.5,
-            # From any point of the scene, both ends of which lie within `scale` of the middle along each axis, this is
-            # outside.
+            # The scene lies within `scale` of the middle along each axis: this far from any of its points is outside.
             "beyond": 2 * 3**0.5 * scale,
             "offset": OFF * padding,
             "cutoff": shot.settings.cutoff,

@@ -39,7 +39,7 @@ def box_lines(low: np.ndarray, high: np.ndarray) -> np.ndarray:
 
 
 def shown_nodes(tree: dict[str, np.ndarray], level: int | None) -> np.ndarray:
-    """The numbers of the nodes to draw: those of one level, or (level None) the leaves that hold triangles.
+    """The numbers of the nodes to draw: of one level, or (level None) the leaves that hold triangles.
 
     Raises InputError for a structure without boxes and for a level that the tree does not have.
     """
@@ -55,7 +55,7 @@ def shown_nodes(tree: dict[str, np.ndarray], level: int | None) -> np.ndarray:
 
 @dataclass(frozen=True)
 class TreeContent:
-    """What a picture of a structure shows, and from where.
+    """The content of a picture of a structure, and its view.
 
     tree : `arrays()` of a structure that has boxes (kdtree or lbvh). positions : [T, 3, 3]; colors : [T, 3] diffuse, linear.
     lamp : position of the lamp. hidden : [T] bool, triangles to leave out (walls that would hide the rest).
@@ -152,7 +152,7 @@ def draw_tree(
 
 
 class Part(NamedTuple):
-    """Vertices [N, 3], their colour [3] or colours [N, 3], what they form, and how much nearer they are drawn."""
+    """Vertices [N, 3], their colour [3] or colours [N, 3], their primitive, and how much nearer they are drawn."""
 
     points: np.ndarray
     tint: Any
@@ -161,7 +161,7 @@ class Part(NamedTuple):
 
 
 def _parts(content: TreeContent, nodes: np.ndarray) -> list[Part]:
-    """What is drawn: primitives, their edges, the lamp, the boxes of some nodes, the axes."""
+    """The parts of the picture: primitives, their edges, the lamp, the boxes of some nodes, the axes."""
     tree, positions = content.tree, content.positions
     bound_low, bound_high = positions.min((0, 1)).astype(float), positions.max((0, 1)).astype(float)
     low, high = (tree[name][nodes].astype(float) for name in ("low", "high"))

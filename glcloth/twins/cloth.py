@@ -8,7 +8,7 @@ from .weight import M, P
 
 
 def terms(omega_i, omega_o, yarns, tangents, weights, gap, sigma):
-    """What the sum over the tangents of one fabric needs, for direction pairs in the surface frame.
+    """The terms of the sum over the tangents of one fabric, for direction pairs in the surface frame.
 
     Parameters
     ----------

@@ -76,7 +76,7 @@ def hit_triangle(a, b, c, shear):
 
 
 def behind_layer(t):
-    """Where a ray goes on behind what it met at t.   [own]"""
+    """Where a ray goes on behind its hit at t.   [own]"""
     return t + 1e-5 * (1.0 + t)
 
 

@@ -1,4 +1,4 @@
-"""An exact kd-tree by the surface area heuristic, on the CPU: what the GPU's tree is measured against.
+"""An exact kd-tree by the surface area heuristic, on the CPU: the measure of the GPU's tree.
 
 Every face of every clipped box is a candidate in every node, and triangles are clipped to their node.   [Wald, Havran
 2006, "On building fast kd-trees for ray tracing"; Zhou 2008; paper B, Eq. 6]

@@ -1,4 +1,4 @@
-"""Twin of the Lambertians' light: what a spherical Gaussian gives to a surface by the clamped cosine, in float64."""
+"""Twin of the Lambertians' light: a spherical Gaussian's irradiance by the clamped cosine, in float64."""
 
 import numpy as np
 

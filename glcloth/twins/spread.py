@@ -12,7 +12,7 @@ def largest(v):
 
 
 def straight_parts(omega_o, k_a, k_t, tau, rho):
-    """What passes straight on [..., 4]: three through the yarns, one through the holes.   [own]"""
+    """Light that passes straight on [..., 4]: three through the yarns, one through the holes.   [own]"""
     open_ = T_open(omega_o, rho)
     yarns = ((1 - open_) * k_t)[..., None] * absorption(omega_o, omega_o, tau)
     return np.concatenate([yarns, (k_a * open_)[..., None]], -1)
@@ -24,7 +24,7 @@ def hole_chance(parts):
 
 
 def drawn_weight(parts, hole):
-    """What a ray counts for [..., 3] that was drawn through a hole (1) or the yarns (0).   [own]"""
+    """The weight [..., 3] of a ray drawn through a hole (1) or the yarns (0).   [own]"""
     chance = hole_chance(parts)[..., None]
     return np.where(
         np.asarray(hole)[..., None] == 1,

@@ -1,4 +1,4 @@
-"""Twin of glsl/sg/tangent_integral.glsl: what the paper method's integrals of one tangent are made of, in float64."""
+"""Twin of glsl/sg/tangent_integral.glsl: parts of the paper method's integrals of one tangent, in float64."""
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def theta_gaussians(theta_k, sharpness, theta_o, k_d, gamma_s, gamma_v):
 
 
 def node_terms(weight, cos_theta, cos_theta_d, slope, F_0, T_1, T_5, T_9):
-    """What a node counts for in (I_s, I_v / A), [..., 2].   [Miz 13-16]"""
+    """The share of a node in (I_s, I_v / A), [..., 2].   [Miz 13-16]"""
     surface = weight[..., 0] * surface_sum(F_0, cos_theta_d, T_1, T_5)
     volume = (weight[..., 1] + weight[..., 2]) * slope * volume_sum(F_0, cos_theta_d, T_1, T_5, T_9)
     return ((cos_theta / cos_theta_d) ** 2)[..., None] * np.stack([surface, volume], -1)

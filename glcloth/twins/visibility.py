@@ -1,4 +1,4 @@
-"""What probes on a sheet see of its surroundings, as fixed directions of the world: the slow float64 twin of the passes
+"""Visibility from probes on a sheet, in fixed directions of the world: the slow float64 twin of the passes
 glsl/passes/visibility/*.comp."""
 
 import numpy as np
@@ -13,7 +13,7 @@ def reversed_bits(i, bits):
 
 
 def world_directions(count):
-    """Directions [count, 3] of a Fibonacci spiral in an order of which every beginning is spread evenly; count = 2^m.
+    """Directions [count, 3] of a Fibonacci spiral, ordered so that every beginning is spread evenly; count = 2^m.
 
     Swinbank and Purser 2006, "Fibonacci grids: a novel approach to global modelling".
     """
@@ -28,7 +28,7 @@ def flat_weight(cos_theta, steepness=8.0):
     return np.clip(steepness * np.asarray(cos_theta, float), 0.0, 1.0)
 
 
-LEAST = 1e-4  # what a Gaussian's tail below counts as nothing
+LEAST = 1e-4  # a Gaussian's tail below this counts as nothing
 
 
 def gaussian_table(directions, axis, sharpness, count=None):
@@ -63,7 +63,7 @@ def from_bands(omega, low, middle, top):
 
 
 def broad_sums(bits, N, x, handedness, directions, light):
-    """Weights [P, 2, 2, 9] of what probes see of the broad light and of all of it, front and back: low, middle, top.   [own]
+    """Weights [P, 2, 2, 9] of the broad light that probes see and of all, front and back: low, middle, top.   [own]
 
     w_j = light_j min(8 |D_j . N|, 1) (share of the part)^2: squares, so that a mean is of the middle of its part.
 
@@ -85,7 +85,7 @@ def broad_sums(bits, N, x, handedness, directions, light):
 
 
 def own_directions(axis, sharpness, count):
-    """Directions [count, 3] of which each stands for an equal share of a spherical Gaussian.   [own]"""
+    """Directions [count, 3], each for an equal share of a spherical Gaussian.   [own]"""
     n = np.arange(count) + 0.5
     kappa = max(float(sharpness), 1e-6)
     z = 1.0 + np.log1p(-(n / count) * -np.expm1(-2.0 * kappa)) / kappa
@@ -122,22 +122,22 @@ def mean_visibility(bits, N, directions, table, steepness=8.0):
 
 
 def bounced(L, albedo, V_0):
-    """One diffuse bounce: what hides the light is cloth of that albedo, lit about as the point itself.   [own]"""
+    """One diffuse bounce: the occluder is cloth of that albedo, lit about as the point itself.   [own]"""
     return np.asarray(L, float) * (1.0 + np.asarray(albedo, float) * (1.0 - np.asarray(V_0, float)[..., None]))
 
 
 def packed_sums(seen, all):
-    """Words of what is seen and what there is (>= 0): the share of it in 16 bits, below a float32 cut to as many.   [own]"""
+    """Words of the seen part and the whole (>= 0): its share in the low 16 bits, above it a cut float32.   [own]"""
     seen, all = np.asarray(seen, "f4"), np.asarray(all, "f4")
     share = np.where(all > 1e-30, seen / np.maximum(all, np.float32(1e-30)), np.float32(1.0))
     return (65535 * share + 0.5).astype("u4") | (all.view("u4") + np.uint32(0x8000) & np.uint32(0xFFFF0000))
 
 
 def all_of_sums(sums):
-    """What there is of such words.   [own]"""
+    """The whole of such words.   [own]"""
     return (np.asarray(sums, "u4") & np.uint32(0xFFFF0000)).view("f4").astype(float)
 
 
 def seen_of_sums(sums):
-    """65535 times what is seen.   [own]"""
+    """65535 times the seen part.   [own]"""
     return all_of_sums(sums) * (np.asarray(sums, "u4") & np.uint32(0xFFFF))

@@ -1,1 +1,1 @@
-"""What a surface sees of the lights, and what light comes back to it."""
+"""How far a surface sees the lights, and the light that other surfaces send back to it."""

@@ -1,4 +1,4 @@
-"""One bounce between surfaces: what the rays of their vertices met, times what that sends back.   [own]
+"""One bounce between surfaces: each vertex collects the radiance of those its rays met.   [own]
 
 A cloth alone has the bounce of inputs/visibility/seen_pixels.glsl, which needs none of this.
 """
@@ -21,7 +21,7 @@ from .pixels import PixelVisibility
 
 
 class Bounce:
-    """Radiance that all vertices send back, and from it what comes back to them: `VertexVisibility.bounced`."""
+    """Radiance that all vertices send back, and the bounced light that they get: `VertexVisibility.bounced`."""
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
@@ -31,7 +31,7 @@ class Bounce:
         self._key: tuple | None = None
 
     def gather(self, surfaces: Sequence[tuple[PixelVisibility, np.ndarray]], source: SceneBuffers) -> Iterator[None]:
-        """Find what comes back to the vertices under the present lights, a part at a time; nothing when it is known.
+        """Find the bounced light at the vertices under the present lights, a part at a time; nothing when it is known.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""What a fabric gives back of light that comes evenly from everywhere: its share in a bounce.   [own, docs/shadows.md]"""
+"""The share that a fabric reflects of light evenly from everywhere, for a bounce.   [own, docs/shadows.md]"""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ LIGHTS = 1536  # directions, for each of these
 
 
 class Furnace:
-    """Keeps what was found of the last fabric; `source` has the fabric on the GPU."""
+    """Keeps the results for the last fabric; `source` has the fabric on the GPU."""
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx

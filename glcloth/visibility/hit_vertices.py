@@ -39,7 +39,7 @@ class HitSurface:
 
 
 class HitVertices:
-    """The triangles that hide light, and the vertices of what is drawn: those of each surface after the other's.
+    """The triangles that hide light, and the drawn vertices of all surfaces, one after the other.
 
     `first_vertex` and `first_triangle` say where each surface begins, and how many there are in all.
     """
@@ -62,9 +62,9 @@ class HitVertices:
 
         Parameters
         ----------
-        surfaces : in the order of their triangles in `triangles`; the offset of the first is that of all, those of the
-            others come as lifts
-        triangles : what the structure was built of
+        surfaces : in the order of their triangles in `triangles`; the offset of the first serves all, the others'
+            come as lifts
+        triangles : those the structure was built of
         """
         assert triangles is not None, "nothing was built"
         meshes = tuple((surface.drawn, surface.original) for surface in surfaces)

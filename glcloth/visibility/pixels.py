@@ -1,4 +1,4 @@
-"""What the pixels of a G-buffer see of the lights, for the passes that shade them.   [own, docs/shadows.md]"""
+"""How far the pixels of a G-buffer see the lights, for the passes that shade them.   [own, docs/shadows.md]"""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .furnace import Furnace
 from .hit_vertices import HitVertices
 from .vertices import FEWEST, FLAT, NARROW, VertexVisibility, broad_number, sun_number, top_number
 
-# What "seen.glsl" of a program that shades may mean.
+# Choices for "seen.glsl" in a program that shades.
 SEEN_ALL, SEEN_PIXELS = "inputs/visibility/seen_all.glsl", "inputs/visibility/seen_pixels.glsl"
 SEEN_OCCLUDERS = "inputs/visibility/seen_occluders.glsl"
 TILE = 8  # pixels
@@ -38,13 +38,13 @@ CUT = 2.0  # mean edges by which the vertices may move in the mean from pose to 
 
 @dataclass(frozen=True, eq=False)
 class Occluders:
-    """What hides light beside a mesh.
+    """Everything that hides light but the mesh itself.
 
     Parameters
     ----------
-    meshes : the others, but for a ground
+    meshes : all others but a ground
     ground : whether there is one
-    hit_vertices : in which all that rays meet is numbered
+    hit_vertices : the numbering of all that rays meet
     """
 
     meshes: tuple[Mesh, ...]
@@ -53,7 +53,7 @@ class Occluders:
 
 
 class PixelVisibility:
-    """Keeps what the vertices of one mesh see; a `PixelView` brings it to the pixels, and the rays of the suns with it."""
+    """Keeps the visibility of one mesh's vertices; a `PixelView` brings it to the pixels, and casts the suns' rays."""
 
     def __init__(self, ctx: moderngl.Context, steepness: float = FLAT):
         """`steepness`: see `VertexVisibility`."""
@@ -83,8 +83,8 @@ class PixelVisibility:
         bounce: bool = True,
         occluders: Occluders | None = None,
     ) -> None:
-        """Choose what hides what. `mesh` is the one that is drawn, `original` what it was subdivided from, `structure`
-        what hides light: the mesh and its `occluders`; None where the mode is "off"."""
+        """Take meshes, lights and mode. `mesh` is drawn, `original` is the one before subdivision, `structure` holds
+        all that hides light: the mesh and its `occluders`; None where the mode is "off"."""
         self.mode, self._structure, self.lights, self.bounce = mode, structure, lights, bounce
         self.occluders = occluders
         self.vertices.hit_vertices = None if occluders is None else occluders.hit_vertices
@@ -99,7 +99,7 @@ class PixelVisibility:
 
     @property
     def structure(self) -> Structure:
-        """What hides light."""
+        """The structure of all that hides light."""
         assert self._structure is not None
         return self._structure
 
@@ -115,7 +115,7 @@ class PixelVisibility:
 
     @property
     def source(self) -> str:
-        """What "seen.glsl" means to a program that asks for these shadows."""
+        """The file for "seen.glsl" in a program that asks for these shadows."""
         return SEEN_PIXELS if self.occluders is None or self.mode != "full" else SEEN_OCCLUDERS
 
     # -- vertices ----------------------------------------------------------------------------------------------------
@@ -126,7 +126,7 @@ class PixelVisibility:
         return None if self.follow else self.lights
 
     def steps(self, count: int = 32, enough: int | None = None) -> Iterator[int]:
-        """Trace what the vertices still lack, so many directions at a time; or only until there are `enough` of them."""
+        """Trace the missing directions, `count` at a time; or only until there are `enough` of them."""
         if self.mode == "full" and enough is not None:
             while self.vertices.done < enough:
                 self.vertices.step(count)
@@ -156,7 +156,7 @@ class PixelVisibility:
     # -- how much a fabric reflects ----------------------------------------------------------------------------------
 
     def inputs(self, fabric: SceneBuffers) -> dict[str, Any]:
-        """What the bounce asks of the fabric of this mesh, by its names in GLSL."""
+        """The bounce's inputs from the fabric of this mesh, by their names in GLSL."""
         if self.mode != "full" or not self.bounce:
             return {"albedo": np.zeros(3)}
         names: dict[str, Any] = {"albedo": self.furnace.albedo(fabric)}
@@ -164,7 +164,7 @@ class PixelVisibility:
 
 
 class PixelView:
-    """What the pixels of one G-buffer see, into which one mesh is drawn, and what comes back to them."""
+    """The visibility of the pixels of one G-buffer, which shows one mesh, and the bounced light that they get."""
 
     def __init__(self, visibility: PixelVisibility, buffer: GBuffer):
         self.visibility, self.buffer, self.ctx = visibility, buffer, visibility.ctx
@@ -223,12 +223,12 @@ class PixelView:
             program.run(buffer.size, inputs, numbers, sun_data=self._sun_data, seen=seen)
 
     def _vertex_inputs(self) -> dict[str, Any]:
-        """What passes read that bring values of the vertices to the pixels."""
+        """The inputs of passes that bring values of the vertices to the pixels."""
         assert self.buffer.drawn is not None
         return self.buffer.inputs() | {"corner_index": self.buffer.drawn.mesh.indices}
 
     def edges(self, seconds: float = PATIENCE) -> Iterator[int]:
-        """Send rays into the narrow Gaussians from those pixels whose triangles' corners do not agree on what they see of
+        """Send rays into the narrow Gaussians from the pixels whose triangles' corners disagree on how far they see
         them, after `resolve`. Does nothing where that is done, or poses are followed.
 
         Parameters
@@ -267,7 +267,7 @@ class PixelView:
         self._edges_done = 0
 
     def resolve_bounce(self) -> None:
-        """Bring what comes back to the vertices (`Bounce.gather`) to the pixels of the G-buffer as it is drawn now."""
+        """Bring the vertices' bounced light (`Bounce.gather`) to the pixels of the G-buffer as it is drawn now."""
         vertices, buffer = self.visibility.vertices, self.buffer
         if self._bounced is None:
             self._bounced = self.ctx.texture_array((*buffer.size, 2), 4, dtype="f2")
@@ -278,8 +278,8 @@ class PixelView:
         self._bounce_resolved.get(lambda: program.run(buffer.size, self._vertex_inputs(), own), *key)
 
     def inputs(self, fabric: SceneBuffers | None = None) -> dict[str, Any]:
-        """What passes that shade these pixels read, by its names in GLSL: of inputs/visibility/lit_means.glsl, and with
-        the `fabric` of the mesh of `PixelVisibility.source`."""
+        """Inputs of the passes that shade these pixels, by their names in GLSL: of inputs/visibility/lit_means.glsl;
+        with the mesh's `fabric`, of `PixelVisibility.source`."""
         names = {"seen": self.seen, "over_ground": self.visibility.over_ground, **self._numbers}
         if self._bounced is not None:
             names["bounced_light"] = self._bounced
@@ -297,8 +297,8 @@ def edge_layers(
 ) -> tuple[list[tuple[int, tuple[int, ...]]], np.ndarray]:
     """Rays of one sample of a pixel into the narrow Gaussians.
 
-    Returns each layer of `PixelView.seen` that has values of such and where the directions of its four values begin (-1:
-    none), and the directions [N, rays, 3], those of a Gaussian from the outside in, as the pass wants it.
+    Returns each layer of `PixelView.seen` with values of such, with where the directions of its four values begin (-1:
+    none), and the directions [N, rays, 3], of each Gaussian from the outside in, as the pass wants it.
     """
     narrow = np.flatnonzero(gaussians.sharpness >= NARROW)
     number, samples = sample

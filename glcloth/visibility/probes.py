@@ -13,13 +13,13 @@ MOST_PROBES = 32_000
 MOST_VERTICES = 16_000  # by subdivision
 # Up to so many probes each traces all directions, or a half, a quarter, an eighth; its neighbours know the others.
 WHOLE, HALF, QUARTER = 6_000, 12_000, 32_000
-LONGEST_EDGE = 1 / 24  # of the mesh's radius: what folds are wide enough to have five vertices across is not known
+LONGEST_EDGE = 1 / 24  # of the mesh's radius: nobody knows which folds are wide enough for five vertices across
 OFFSET = 0.06  # of a vertex's mean edge: how far rays start from it
 
 
 @dataclass(frozen=True, eq=False)
 class Probes:
-    """Points of a sheet that look around, and how the vertices of a mesh share what they see.
+    """Points of a sheet whose visibility is traced, and how the vertices of a mesh share it.
 
     Parameters
     ----------
@@ -213,9 +213,9 @@ def lift_off_facets(mesh: Mesh, original: Mesh) -> np.ndarray:
 
 
 def _apart(graph) -> np.ndarray:
-    """A largest possible set of nodes (not the largest of all) of which no two are neighbours, in ascending order.
+    """A maximal set of nodes (not the largest of all) without neighbours in it, in ascending order.
 
-    Luby 1986: what has the highest number among its neighbours is in, they are out; again with the rest.
+    Luby 1986: a node with the highest number among its neighbours is in, they are out; again with the rest.
     """
     count = graph.shape[0]
     rank = np.random.default_rng(1).permutation(count) + 1.0

@@ -1,4 +1,4 @@
-"""What every vertex sees of each light: bits of fixed directions, and means over them.   [own, docs/shadows.md]"""
+"""How far every vertex sees each light: bits of fixed directions, and means over them.   [own, docs/shadows.md]"""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ MOST_CLASSES = 8
 FEWEST = 16  # directions of each probe that must be traced before there is a mean
 BROAD = 8  # numbers of the broad light beside the top: four of the low band, four of the middle one
 BROAD_FLOOR = 0.02  # of the broad light's mean is added to it everywhere
-BROAD_PART = 0.05  # of all light: about what one mean of the broad light is of
+BROAD_PART = 0.05  # of all light: about the share that one mean of the broad light covers
 NARROW = 30.0  # sharpness from which a Gaussian has directions of its own,
 OWN = 16  # so many, of all classes together
 FLAT, COSINE = 8.0, 1.0  # steepness of the weight of directions
 NEAREST_LAYER = 1 / 3  # of the way to the next layer of cloth: how far rays may start from their own
-# What the passes of passes/visibility read by these names, and its texel formats.
+# Buffers of passes/visibility by their names there, and their texel formats.
 DATA = {
     "probe_data": "rgba32f", "x_data": "rgba32f", "light_data": "rgba32f", "direction_data": "rgba32f",
     "entry_data": "rgba32f", "range_data": "rg32i", "least_data": "rgba32f", "row_data": "rg32ui",
@@ -48,8 +48,8 @@ class VertexVisibility:
 
     Directions count by clamp(`steepness` cos, 0, 1): FLAT for cloth, COSINE for a Lambertian.
 
-    While `hit_vertices` is set, rays also remember the vertex that they end at; `gather` sums what comes back from there
-    into `bounced`.
+    While `hit_vertices` is set, rays also remember the vertex that they end at; `gather` sums the light from there into
+    `bounced`.
     """
 
     def __init__(self, ctx: moderngl.Context, steepness: float = FLAT):
@@ -63,7 +63,7 @@ class VertexVisibility:
         self._bounce_sums = TextureBuffer(ctx, 16)
         self.means = TextureBuffer(ctx, 4, "r32ui")
         self.bounced = TextureBuffer(ctx, 16)
-        # As float32, so that the twin and the table see what the rays follow.
+        # Rounded to float32, so that the twin and the table have the directions of the rays.
         self.directions = world_directions(DIRECTIONS).astype("f4").astype(float)
         self._next_direction = 0  # of those that `move` traces again
         self._sharp: Lights | None = None  # whose narrow Gaussians' own directions are traced
@@ -72,7 +72,7 @@ class VertexVisibility:
         self._traced: list[np.ndarray] = []  # of each class: its fixed directions, then those of narrow Gaussians
 
     def start(self, mesh: Mesh, structure: Structure, original: Mesh | None = None, classes: int | None = None) -> None:
-        """Forget what was seen and begin with another mesh.
+        """Forget all visibility and begin with another mesh.
 
         Parameters
         ----------
@@ -97,8 +97,8 @@ class VertexVisibility:
         data["spread_data"].write(np.stack([spread.indices.astype("u4"), spread.data.astype("f4").view("u4")], 1))
 
     def move(self, mesh: Mesh, structure: Structure, count: int = 8) -> None:
-        """Follow the mesh to a new pose: what was seen stays, but for `count` of each probe's directions, which are
-        traced again; the oldest first."""
+        """Follow the mesh to a new pose: visibility stays, but `count` of each probe's directions are traced again, the
+        oldest first."""
         self.probes, self._structure = self.probes.moved(mesh), structure
         self._upload_probes(self.probes.offset)
         self._sharp = None
@@ -178,8 +178,8 @@ class VertexVisibility:
         return last - first
 
     def steps(self, lights: Lights | None = None, count: int = WORD) -> Iterator[int]:
-        """Trace the directions that are missing, `count` at a time: the fixed ones, then those of the narrow Gaussians of
-        `lights`. Yields after each step how many of each probe's are traced."""
+        """Trace the missing directions, `count` at a time: the fixed ones, then the own ones of `lights`' narrow
+        Gaussians. Yields after each step how many of each probe's are traced."""
         while not self.complete:
             self.step(count)
             self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
@@ -251,7 +251,7 @@ class VertexVisibility:
         self._data["range_data"].write(np.array(ranges, "i4"))
 
     def _sum_broad(self, lights: Lights, broad: np.ndarray, first_broad: int, above: bool) -> float:
-        """Sum what the probes see of the broad light; returns how much of it there is, over the traced directions."""
+        """Sum the broad light that the probes see; returns how much of it there is, over the traced directions."""
         gaussians = lights.gaussians
         light = SphericalGaussians(gaussians.axis, gaussians.sharpness, gaussians.amplitude * broad[:, None])
         weight = luminance(np.maximum(light.radiance(self.directions), 0.0))
@@ -271,7 +271,7 @@ class VertexVisibility:
         return float(used.sum())  # a view: scaled, too
 
     def _table(self, c: int, lights: Lights, sharp: bool) -> np.ndarray:
-        """What the traced directions [n] of a class weigh in each number of `means` before the broad light's."""
+        """The weights of the traced directions [n] of a class in each number of `means` before the broad light's."""
         gaussians = lights.gaussians
         fixed = self._traced[c][: self.done]
         # As sharp as the fixed directions of all classes together can tell.
@@ -307,7 +307,7 @@ class VertexVisibility:
     # -- reading back ------------------------------------------------------------------------------------------------
 
     def bits(self) -> list[np.ndarray]:
-        """Read back what the probes of each class see of its directions: bool [P_c, done]."""
+        """Read back which of their directions the probes of each class see: bool [P_c, done]."""
         count = len(self.probes.points)
         words = np.frombuffer(self._data["bit_data"].read(4 * count * (self.share // WORD)), "<u4").reshape(-1, count)
         bits = np.unpackbits(words.T.copy().view("u1"), axis=1, bitorder="little")[:, : self.done].astype(bool)
@@ -342,7 +342,7 @@ class VertexVisibility:
 
 
 def top_number(gaussians: int) -> int:
-    """The number of the broad light's mean at the top, after those of so many Gaussians."""
+    """The number of the broad light's mean at the top, after so many Gaussians."""
     return 1 + gaussians
 
 
@@ -357,7 +357,7 @@ def sun_number(gaussians: int) -> int:
 
 
 def _entries(directions: np.ndarray, table: np.ndarray) -> np.ndarray:
-    """The directions that count for four columns of a table: [E, 8] float32, each with its number and what it weighs."""
+    """The directions that count for four columns of a table: [E, 8] float32, each with its number and weights."""
     number = np.flatnonzero(table.any(1))
     entries = np.empty((len(number), 8), "f4")
     entries[:, :3], entries[:, 3], entries[:, 4:] = directions[number], number, table[number]

@@ -1,4 +1,4 @@
-"""What panels, keys and files may ask for, and what they may know. Nothing else of the window is theirs to touch."""
+"""The actions and questions open to panels, keys and files; they touch nothing else of the window."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .tree_window import TreeWindow
 
 
 class Actions:
-    """Edits go to `session`, by `attempt` where they may fail; `layout` holds what is shown, `messages` what is said.
+    """Edits go to `session`, by `attempt` where they may fail; `layout` places the panels, `messages` holds the notes.
 
     Everything else that can be done is a method, everything that can be asked a property.
     """
@@ -30,7 +30,7 @@ class Actions:
         self.reload_shaders = drawing.reload_shaders
         self._drawing = drawing
 
-    # -- what can be asked -------------------------------------------------------------------------------------------
+    # -- questions ---------------------------------------------------------------------------------------------------
 
     @property
     def shows_something(self) -> bool:
@@ -43,17 +43,17 @@ class Actions:
 
     @property
     def waits_for(self) -> str:
-        """What is being made that the picture needs, in words; empty for nothing."""
+        """The part of the picture that is still being made, in words; empty for none."""
         return self._drawing.resources.doing if self._drawing.pending else ""
 
     @property
     def status(self) -> list[str]:
-        """What is going on, in words."""
+        """The work under way, in words."""
         return self._drawing.drawer.status(self.session.shown)
 
     @property
     def device(self) -> tuple[str, bool]:
-        """What draws, and whether that is software."""
+        """The device that draws, and whether it is software."""
         host = self._drawing.host
         return host.ctx.info["GL_RENDERER"], host.software
 
@@ -65,7 +65,7 @@ class Actions:
 
     @property
     def player(self) -> Player:
-        """The curtain: what it does and how far it is."""
+        """The curtain: its state and progress."""
         return self._drawing.player
 
     @property
@@ -83,7 +83,7 @@ class Actions:
         self.paint()
         return self._drawing.host.pixels()
 
-    # -- what can be done --------------------------------------------------------------------------------------------
+    # -- actions -----------------------------------------------------------------------------------------------------
 
     def paint(self) -> None:
         """Draw the window: the picture and the panels over it."""
@@ -100,7 +100,7 @@ class Actions:
         """Take another fabric; in the curtain one without transmission gets a sheer's. Raises InputError."""
         self.session.choose_fabric(name)
         if self.session.in_curtain and self.session.resolve(name).transmission is None:
-            self.note(f"{name} has no [transmission]: that of a white sheer was added")
+            self.note(f"{name} has no [transmission]: a white sheer's was added")
 
     @property
     def camera(self) -> Camera:

@@ -1,6 +1,6 @@
 """The window itself: panels over the picture, and a loop that draws only when something changes.
 
-App puts the parts together and turns the loop; nothing imports it. State flows one way: what was done (host) goes by
+App puts the parts together and turns the loop; nothing imports it. State flows one way: input (host) goes by
 `actions` into the session's document, the document into pictures (drawing), and those onto the screen.
 """
 
@@ -33,7 +33,7 @@ class App:
 
     Parameters
     ----------
-    scene : what to show first; a size that it does not give is chosen
+    scene : the first to show; a missing size is chosen
     watch : reload shaders, fabric, mesh, environment and scene files when they change
     source : the file the scene came from, if any
 
@@ -79,7 +79,7 @@ class App:
             self.close()
 
     def step(self) -> None:
-        """Hear what happened, draw for a while, show it; or wait when there is nothing to do."""
+        """Take the input, draw for a while, show it; or wait when there is nothing to do."""
         self._wait()
         if glfw.get_window_attrib(self.host.window, glfw.ICONIFIED):
             return
@@ -94,7 +94,7 @@ class App:
         if drawing.document is not before:
             clock.mark("shown")  # the answer has so long before the panels are shown without it
             unseen = 0.0
-        # What was drawn in the last step is shown in this one, so that neither takes longer than a look at the input may.
+        # This step shows the picture of the last one, so that neither takes longer than the input may wait.
         owed, self._owed = self._owed, False
         if drawing.busy and not owed:
             changed |= drawing.work(max(BUDGET - clock.usual("panels") - 0.003, 0.012))
@@ -120,7 +120,7 @@ class App:
             glfw.wait_events_timeout(0.4)  # the caret blinks
             clock.wake(1)
         elif drawing.cold:
-            # What edits of the weave may need is compiled while nobody does anything.
+            # Programs that edits of the weave may need are compiled while nobody does anything.
             glfw.wait_events_timeout(QUIET)
             if clock.since("heard") > QUIET:
                 drawing.refiner.warm_up()
@@ -130,7 +130,7 @@ class App:
             glfw.wait_events()
 
     def _hear(self) -> None:
-        """Take what came from outside: files that changed, were chosen or dropped."""
+        """Take the news from outside: files that changed, were chosen or dropped."""
         self.files.watch()
         self.files.dialogs.poll()
         dropped, self.host.dropped = self.host.dropped, []

@@ -1,4 +1,4 @@
-"""The one clockwork of the window: what time it is, how long ago things happened, and what a step takes."""
+"""The one clock of the window: the time, how long ago things happened, and how long a step takes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ now = time.perf_counter  # seconds
 
 
 def timed(steps: Iterable[T]) -> Iterator[tuple[T, float]]:
-    """Each step of a generator with the seconds that it took; what happens between two steps does not count."""
+    """Each step of a generator with the seconds that it took; time between two steps does not count."""
     steps = iter(steps)
     while True:
         begin = now()

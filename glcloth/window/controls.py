@@ -1,11 +1,12 @@
-"""Controls from fields: what a panel shows for each parameter, read from the models that define them."""
+"""Controls from fields: the widget of a panel for each parameter, read from the models that define them."""
 
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import get_args
 
 from ..fields import Entry, Value, entries
-from ..scene import CurtainParameters, Scene
+from ..scene import CurtainParameters, MethodName, Scene
 
 KINDS = ("float", "int", "color", "triple", "choice", "bool", "text", "curve")
 # The curtain's own. The first ones change while it moves, the others hang it anew.
@@ -16,8 +17,7 @@ HUNG = (
 CURVE = ("curve_angles_deg", "curve_lengths", "samples", "tangents_deg")  # edited together, in a plot
 # Fields that only one method reads: shown with that method.
 METHOD_FIELDS = {
-    method: tuple(entry.name for entry in entries(Scene) if entry.of == method)
-    for method in ("direct", "paper", "reference")
+    method: tuple(entry.name for entry in entries(Scene) if entry.of == method) for method in get_args(MethodName)
 }
 
 

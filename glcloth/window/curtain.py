@@ -57,7 +57,7 @@ class Player(Slices):
         self.wanted = 0  # the frame that it is on its way to
         self._other: Scene | None = None  # side B, and whether it is drawn as layers
         self._layered = False
-        self._shown: tuple | None = None  # what `show` was given last, but for how it is shown
+        self._shown: tuple | None = None  # the last arguments of `show`, but for the look
         self._hanging: Iterator[float] | None = None
         self._moving: Iterator[None] | None = None
         self._simulated = 0.0  # seconds of the frame under way
@@ -65,7 +65,7 @@ class Player(Slices):
         self._targets = Targets(ctx)
         self._last_frame = 0.0
 
-    # -- what is to be shown -----------------------------------------------------------------------------------------
+    # -- the scene to show -------------------------------------------------------------------------------------------
 
     @property
     def frame(self) -> int:
@@ -159,7 +159,7 @@ class Player(Slices):
     # -- drawing -----------------------------------------------------------------------------------------------------
 
     def work(self, budget: float = BUDGET) -> bool:
-        """Draw for about `budget` seconds; True when what is to be seen has changed. It plays no more after an error."""
+        """Draw for about `budget` seconds; True when the picture has changed. It plays no more after an error."""
         try:
             return super().work(budget)
         except BaseException:
@@ -217,7 +217,7 @@ class Player(Slices):
             yield True
 
     def _hang(self) -> Iterator[bool]:
-        # A for loop and not `yield from`: when the plan is dropped, what is half done must stay.
+        # A for loop and not `yield from`: when the plan is dropped, half-done work must stay.
         if self._hanging is None:
             return
         for share in self._hanging:
@@ -244,7 +244,7 @@ class Player(Slices):
             yield
 
     def _scenes(self) -> list[Scene]:
-        """What the sides show."""
+        """The scenes of the sides."""
         return [self.curtain.scene, *([] if self._other is None else [self._other])]
 
     def _is_layered(self, number: int) -> bool:
@@ -254,7 +254,7 @@ class Player(Slices):
         if self.curtain.is_built(scene.accelerator):
             return
         spent = 0.0
-        # With a step more, for what it does after its last yield.
+        # With a step more, for the work after its last yield.
         for _, seconds in timed(self._finished(chain(self.curtain.building(scene.accelerator), [None]))):
             spent += seconds
             yield False
@@ -283,7 +283,7 @@ class Player(Slices):
             return max(64, int(SLICE / self._pace.get(key, FIRST_PACE)))
 
         for done, seconds in timed(self.curtain.steps(size, spp, pixels, scene if number else None)):
-            # What every tile costs, however small, is no reason for smaller ones.
+            # The fixed cost of every tile is no reason for smaller ones.
             spent = max(seconds - FIXED, 0.25 * seconds)
             pace = spent / max((done - drawn) * size[0] * size[1] * spp, 1.0)
             # Tiles of sky alone are quick: the slow ones count more.
@@ -328,7 +328,7 @@ class Player(Slices):
     def _put(
         self, number: int, stage: str, size: tuple[int, int], scale: float, fill: Callable[[Target], None]
     ) -> None:
-        """Show on a side what `fill` puts into a target."""
+        """Fill a target and show it on a side."""
         if number < len(self.sides):  # else it is compared no longer
             side = self.sides[number]
             target = self._targets.get(f"{stage} {number}", size, side.texture)
@@ -336,7 +336,7 @@ class Player(Slices):
             side.show(target.texture, scale)
 
     def status(self, scene: Scene) -> list[str]:
-        """What it does, in words."""
+        """Its state, in words."""
         if self.hung < 1.0:
             return [f"hanging the curtain: {10 * int(10 * self.hung)} %"]
         side, times = self.sides[0], self.timings
@@ -367,5 +367,5 @@ class Player(Slices):
 
 
 def _key(scene: Scene) -> tuple:
-    """What the seconds that a pixel takes depend on."""
+    """The settings that decide how long a pixel takes."""
     return scene.accelerator, scene.depth

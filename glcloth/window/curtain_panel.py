@@ -26,10 +26,10 @@ class CurtainPanel(Panel):
 
     def __init__(self, actions: Actions):
         super().__init__(actions)
-        self._draft: dict[str, Any] = {}  # what is being dragged and hangs the curtain anew when it is let go
+        self._draft: dict[str, Any] = {}  # values being dragged: they hang the curtain anew on release
 
     def draw(self) -> None:
-        """Everything of the curtain but its fabric and what lights it from far."""
+        """Everything of the curtain but its fabric and its distant light."""
         actions, session, scene = self.actions, self.session, self.session.curtain
         origin = session.chosen
         if new := chooser("fabric", origin if isinstance(origin, str) else origin.name, builtin_fabrics()):
@@ -70,7 +70,7 @@ class CurtainPanel(Panel):
                 self.attempt(self.session.hang, None, **{item.name: self._draft.pop(item.name)})
 
     def other(self, scene: Scene) -> None:
-        """What side B has of its own beside its fabric."""
+        """The settings that side B has of its own beside its fabric."""
         session = self.session
         changed, layered = imgui.checkbox("blended layers, without shadows", session.document.layered)
         if changed:

@@ -10,7 +10,7 @@ STEP_DEG, STEP_LENGTH = 0.1, 0.01  # a hand's precision: files stay readable
 
 
 def points(yarn: Yarn) -> tuple[np.ndarray, np.ndarray]:
-    """Positions along the yarn and angles of what can be dragged: the curve's control points, or the tangents."""
+    """Positions along the yarn and angles of the handles: the curve's control points, or the tangents."""
     if yarn.tangents_deg is not None:
         return np.arange(len(yarn.tangents_deg), dtype=float), np.array(yarn.tangents_deg)
     return np.concatenate([[0.0], np.cumsum(yarn.curve_lengths)]), np.array(yarn.curve_angles_deg)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from imgui_bundle import portable_file_dialogs
 
-# What portable-file-dialogs calls on Linux; elsewhere the system has a dialog of its own.
+# Programs that portable-file-dialogs calls on Linux; elsewhere the system has a dialog of its own.
 PROGRAMS = ("zenity", "kdialog", "matedialog", "qarma")
 ALL = ["All files", "*"]
 
@@ -19,7 +19,7 @@ def available() -> bool:
 
 
 class Dialogs:
-    """At most one dialog at a time; `poll` calls back with what was chosen."""
+    """At most one dialog at a time; `poll` calls back with the choice."""
 
     def __init__(self):
         self._open = None

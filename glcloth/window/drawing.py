@@ -18,7 +18,7 @@ from .tree_window import TreeWindow
 
 
 class Drawing:
-    """Draws what the session's document asks for. `follow` hears of it, `work` draws for a while, `paint` shows it."""
+    """Draws the session's document. `follow` takes a new one, `work` draws for a while, `paint` shows it."""
 
     def __init__(self, host: Host, session: Session, clock: Clock, messages: Messages):
         self.host, self.session, self.clock, self.messages = host, session, clock, messages
@@ -28,7 +28,7 @@ class Drawing:
         self.player = Player(self.ctx)
         self.tree: TreeWindow | None = None
         self.ready: list[Ready | None] = []
-        self.document: Document | None = None  # what is drawn
+        self.document: Document | None = None  # the one being drawn
         self.pending = True  # something that it needs is still being made
         self._screen = Screen(self.ctx)
         self._go_to: int | None = None  # a frame of the curtain
@@ -46,7 +46,7 @@ class Drawing:
 
     @property
     def drawer(self) -> Refiner | Player:
-        """What draws the scene that is shown."""
+        """The drawer of the scene that is shown."""
         return self.player if self.session.in_curtain else self.refiner
 
     @property
@@ -70,7 +70,7 @@ class Drawing:
         return not self.session.in_curtain and self.refiner.cold
 
     def picture(self) -> np.ndarray:
-        """What `render` returns for the scene: float32 [H, W, 3 or 4], linear, top row first; once refined."""
+        """The picture as `render` returns it: float32 [H, W, 3 or 4], linear, top row first; once refined."""
         scene = self.session.shown
         data = np.frombuffer(self.drawer.sides[0].texture.read(), "f4").reshape(scene.size[1], scene.size[0], 4)[::-1]
         return data.copy() if not getattr(scene, "background", True) else data[..., :3].copy()
@@ -88,7 +88,7 @@ class Drawing:
         self.pending = True
 
     def follow(self) -> bool:
-        """Take what the document asks for; True when what is drawn already is to be shown otherwise.
+        """Take a new document; True when the same picture is to be shown in another way.
 
         Raises InputError and ShaderError while there is nothing to show; later they become messages.
         """
@@ -152,7 +152,7 @@ class Drawing:
         return fresh
 
     def work(self, budget: float) -> bool:
-        """Draw for so many seconds; True when what is to be seen has changed."""
+        """Draw for so many seconds; True when the picture has changed."""
         until = now() + budget
         changed = False
         try:

@@ -17,7 +17,7 @@ YARN = [c for c in controls(Yarn) if c.kind != "curve"]
 WEAVE = [c for c in controls(Fabric) if c.kind != "text"]
 TRANSMISSION = controls(Transmission)
 SAMPLES = controls(Yarn, ("samples",))[0]
-NO_HELP = "what a fabric that is seen before the light lets through: read by the curtain"
+NO_HELP = "light through a fabric that hangs before a light: read by the curtain"
 
 
 class FabricPanel(Panel):
@@ -55,7 +55,7 @@ class FabricPanel(Panel):
     # -- transmission ------------------------------------------------------------------------------------------------
 
     def _transmission(self, fabric: Fabric, origin: Fabric) -> None:
-        """What passes through the weave; a cloth may go without, the curtain needs it."""
+        """Light through the weave: optional for a cloth, needed by the curtain."""
         value = fabric.transmission
         if not self.session.in_curtain:
             changed, has = imgui.checkbox("transmission (for the curtain)", value is not None)

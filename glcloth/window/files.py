@@ -1,4 +1,4 @@
-"""Files in and out of the window: opened by what they are, saved, copied as a command or a script, and watched."""
+"""Files in and out of the window: opened by kind, saved, copied as a command or a script, and watched."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ OPENABLE = [
 
 
 class Files:
-    """What the window reads and writes. Nothing raises InputError: it becomes a message, and all stays as it was.
+    """The files of the window. Nothing raises InputError: it becomes a message, and all stays as it was.
 
     `names` are those that scene, fabric and picture are saved to; `asks_path` asks the panels for a path to open.
     """
@@ -46,7 +46,7 @@ class Files:
     # -- opening -----------------------------------------------------------------------------------------------------
 
     def open(self, path: str) -> None:
-        """Open a file by what it is: scene, picture, fabric, lights, mesh or environment."""
+        """Open a file by its kind: scene, picture, fabric, lights, mesh or environment."""
         self.actions.attempt(self._open, str(path))
 
     def choose(self) -> None:
@@ -120,7 +120,7 @@ class Files:
             self.actions.note(f"{target} will be written as soon as the picture is refined")
 
     def save_later(self) -> None:
-        """Write what waits for the picture to be refined, if it is."""
+        """Write the file that waits for the refined picture, once that is there."""
         if self._later is not None and self.actions.complete:
             later, self._later = self._later, None
             self.actions.attempt(self._write, *later)
@@ -152,7 +152,7 @@ class Files:
     # -- files that change -------------------------------------------------------------------------------------------
 
     def watch(self) -> None:
-        """Read again what has changed on disk."""
+        """Read again the files that have changed on disk."""
         if self._watcher is None:
             return
         session, shown = self.session, self.session.shown

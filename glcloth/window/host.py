@@ -25,7 +25,7 @@ FONT = 16.0  # points
 class Typed(NamedTuple):
     """A key that went down, with its modifiers: between two slow pictures a key and its Ctrl may both come and go."""
 
-    name: str  # what the keyboard's layout prints on it
+    name: str  # as the keyboard's layout prints it
     key: int
     mods: int
     repeated: bool
@@ -145,7 +145,7 @@ class Host:
         imgui.backends.opengl3_render_draw_data(imgui.get_draw_data())
 
     def pixels(self) -> np.ndarray:
-        """What was drawn and not yet shown: uint8 [H, W, 3], top row first."""
+        """The picture drawn and not yet shown: uint8 [H, W, 3], top row first."""
         size = self.framebuffer_size
         self.ctx.detect_framebuffer(0).use()
         GL.glReadBuffer(GL.GL_BACK)
@@ -154,7 +154,7 @@ class Host:
         return np.frombuffer(data, "u1").reshape(size[1], size[0], 3)[::-1].copy()
 
     def collect(self) -> None:
-        """Free what Python has dropped; what was released by hand is in moderngl's list as well, as an empty shell."""
+        """Free the objects that Python has dropped; those released by hand are in moderngl's list as empty shells."""
         while self.ctx.objects:
             thing = self.ctx.objects.popleft()
             if hasattr(thing, "release"):

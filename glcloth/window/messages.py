@@ -11,7 +11,7 @@ MOST = 5  # lines that are shown
 
 
 class Messages:
-    """What is to be read: `lines` of (kind, text); the kind is "error" or "note"."""
+    """The messages on the screen: `lines` of (kind, text); the kind is "error" or "note"."""
 
     def __init__(self, clock: Clock):
         self.lines: list[tuple[str, str]] = []
@@ -22,7 +22,7 @@ class Messages:
         self._add("note", text)
 
     def error(self, error: Exception | str) -> None:
-        """Show what went wrong; of a shader what does not compile, without a driver's warnings and headings."""
+        """Show an error; of a shader only the lines that do not compile, without a driver's warnings and headings."""
         text = str(error)
         if isinstance(error, ShaderError):
             lines = text.splitlines()

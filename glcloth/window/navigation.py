@@ -1,4 +1,4 @@
-"""Mouse and keys over the picture: the eye, the split, the light's turn, and the keys that do what panels do."""
+"""Mouse and keys over the picture: the eye, the split, the light's turn, and shortcuts for the panels."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ SPLIT_REACH = 8  # points to either side of the split that take hold of it
 
 
 class Navigation:
-    """Turns what the mouse and the keys do over the picture into moves and edits."""
+    """Turns mouse and keys over the picture into moves and edits."""
 
     def __init__(self, actions: Actions, files: Files):
         self.actions, self.files, self.session = actions, files, actions.session
@@ -27,7 +27,7 @@ class Navigation:
     # -- the mouse ---------------------------------------------------------------------------------------------------
 
     def update(self, typed: list[Typed]) -> None:
-        """Do what was done since the last call, and what these keys ask for."""
+        """Apply the input since the last call, and these keys."""
         io = imgui.get_io()
         if not self.actions.shows_something:
             return

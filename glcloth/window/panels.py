@@ -1,4 +1,4 @@
-"""The panels beside the picture, and what is written over it."""
+"""The panels beside the picture, and the text over it."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ class Panels(Panel):
         self._value(LIGHT["spp"])
 
     def _around(self, scene: Scene) -> None:
-        """What stands about the cloth."""
+        """The ground and the objects."""
         session = self.session
         changed, on = imgui.checkbox("ground", scene.ground != "off")
         tip("a matt plane under the cloth and the objects")

@@ -1,4 +1,4 @@
-"""What a side of the picture shows, and the textures that it is drawn into."""
+"""The sides of the picture, and the textures that they are drawn into."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import moderngl
 
 @dataclass
 class Side:
-    """What a side shows now.
+    """The present picture of a side.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ class Side:
     version: int = 0
 
     def show(self, texture: moderngl.Texture, scale: float = 1.0) -> None:
-        """Show what was just drawn into a texture."""
+        """Show a texture that was just drawn."""
         self.texture, self.scale = texture, scale
         self.version += 1
 

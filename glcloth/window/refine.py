@@ -38,7 +38,7 @@ NOT_LIGHT = ("exposure", "view_transform")  # how a picture is shown
 
 
 class Refiner(Slices):
-    """Draws one or two frames with one renderer. `show` says what; `work` draws for a while."""
+    """Draws one or two frames with one renderer. `show` takes them, `work` draws for a while."""
 
     def __init__(self, ctx: moderngl.Context):
         super().__init__()
@@ -52,11 +52,11 @@ class Refiner(Slices):
         self._seconds_per_row: dict[tuple, float] = {}
         self._targets = Targets(ctx)
         self._directions = 4  # of the shadows, at a time
-        self._cold = True  # what edits of the weave may need is not all compiled
+        self._cold = True  # some programs that edits of the weave may need are not compiled
         self._warming: Iterator[None] | None = None
 
     def frame(self, scene: Scene, fabric: Fabric, ready: Ready, complete: bool) -> Frame:
-        """A frame of what is there; while tables or a fit are being made, the last light and the direct method serve."""
+        """A frame of all that is ready; until tables or a fit are made, the last light and the direct method serve."""
         lights = ready.lights if complete else ready.report.lights.rotated(rotation_y(scene.env_rotate))
         if not complete and scene.method == "paper":
             scene = scene.model_copy(update={"method": "direct"})
@@ -79,7 +79,7 @@ class Refiner(Slices):
         return default_camera(self.frames[0].mesh, scene)
 
     def show(self, frames: list[Frame]) -> bool:
-        """Draw these frames from now on; False where only how they are shown differs from what is drawn already."""
+        """Draw these frames from now on; False where only the look differs and nothing is to be drawn."""
         same = len(frames) == len(self.frames) and all(map(_same_light, frames, self.frames))
         self.frames = frames
         if same and self.sides:
@@ -172,7 +172,7 @@ class Refiner(Slices):
             self._learn(self._shading)
 
     def _between(self, number: int, frame: Frame) -> Iterator[bool]:
-        """What is shown between a preview and a full picture that takes long: the adaptive rate, or half the size."""
+        """The stage between a preview and a full picture that takes long: the adaptive rate, or half the size."""
         scene = frame.scene
         rows = self._seconds_per_row.get(_cost_key(frame), 1e-3)
         long = rows * scene.size[1] * scene.spp > HALF_FROM
@@ -189,7 +189,7 @@ class Refiner(Slices):
             yield from self._at(number, _smaller(frame, 2.0), 2.0, "half")
 
     def _shadows(self, frames: list[Frame], enough: int | None = None) -> Iterator[bool]:
-        """Trace what the shadows of these frames lack, or only the directions that a first impression needs."""
+        """Trace the missing directions of these frames' shadows, or only enough for a first impression."""
         for frame in frames:
             for _, seconds in timed(self.renderer.trace_visibility(frame, self._directions, enough)):
                 share = SLICE / max(seconds, 1e-4)
@@ -218,7 +218,7 @@ class Refiner(Slices):
             return wanted
 
         whole = rows_done = 0
-        # What the pixels see of narrow lights is not waited for but at the end.
+        # Only the final picture waits for the pixels' own rays into narrow lights.
         for (done, total), seconds in timed(self.renderer.steps(frame, rows, preview=not final)):
             shaded, wanted = min(wanted, height), 0
             if shaded:
@@ -241,7 +241,7 @@ class Refiner(Slices):
         yield True
 
     def _take(self, number: int, stage: str, frame: Frame, scale: float, done: int = 1, total: int = 1) -> None:
-        """Copy the renderer's picture into a texture of the side; a part of a sum is filled up with what is shown."""
+        """Copy the renderer's picture into a texture of the side; a partial sum is filled up with the shown picture."""
         side, spp = self.sides[number], frame.scene.spp
         target = self._targets.get(f"{stage} {number}", frame.scene.size, side.texture)
         source = self.renderer.gbuffer
@@ -283,7 +283,7 @@ def _smaller(frame: Frame, scale: float) -> Frame:
 
 
 def _preview(frame: Frame, scale: float, adaptive: bool) -> Frame:
-    """What is drawn while something changes: small, and no finer than normal; the smallest gain nothing by the adaptive
+    """The picture while something changes: small, and no finer than normal; the smallest gain nothing by the adaptive
     rate."""
     small = _smaller(frame, scale)
     quality = "normal" if frame.scene.quality == "high" else frame.scene.quality

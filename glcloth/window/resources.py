@@ -34,7 +34,7 @@ class Ready:
     environment: Environment
     report: FitReport
     lights: Lights  # turned as the scene says
-    objects: Objects  # what stands about the cloth, or nothing
+    objects: Objects  # those around the cloth, or none
 
 
 class Resources:
@@ -43,16 +43,16 @@ class Resources:
     def __init__(self):
         self._pool = ThreadPoolExecutor(1, thread_name_prefix="resources")
         self._kinds: dict[str, OrderedDict[Any, Future]] = {}
-        self.doing = ""  # what the last `ask` waits for, in words
+        self.doing = ""  # the job that the last `ask` waits for, in words
 
     def close(self) -> None:
-        """Drop what has not begun; what runs ends by itself."""
+        """Drop the jobs that have not begun; a running one ends by itself."""
         self._pool.shutdown(wait=False, cancel_futures=True)
 
     def ask(self, scene: Scene, fabric: Fabric) -> Ready | None:
         """All that a scene needs, or None while something of it is still being made.
 
-        Raises what the making raised (InputError for a bad file); asking again then begins anew.
+        Raises the error of a failed job (InputError for a bad file); asking again then begins anew.
         """
         self.doing = ""
         mesh = self._get("mesh", (scene.mesh, _stamp(scene.mesh)), lambda: load_mesh(scene.mesh), "reading the mesh")
@@ -96,7 +96,7 @@ class Resources:
         return Ready(fabric, mesh, environment, report, lights, objects)
 
     def ask_curtain(self, scene: Scene, fabric: Fabric) -> Environment | None:
-        """What the curtain needs beside itself: its environment. None while that, or the fabric's albedo (which the
+        """The environment, which the curtain needs beside itself. None while that, or the fabric's albedo (which the
         tracer then finds in its cache), is still being made. Raises as `ask` does."""
         self.doing = ""
         map_key = (scene.env, _stamp(scene.env))

@@ -1,4 +1,4 @@
-"""A session as others can use it: files, a command line, a Python script; and what a dropped file is."""
+"""A session as others can use it: files, a command line, a Python script; and the kind of a dropped file."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ KINDS = {".hdr": "env", ".png": "scene", ".json": "lights", **dict.fromkeys(MESH
 
 
 def kind_of(path: str | Path) -> Literal["scene", "fabric", "lights", "mesh", "env"]:
-    """What a file is to the window. Raises InputError when it is nothing that the window can open."""
+    """The kind of a file. Raises InputError when the window cannot open it."""
     path = Path(path)
     suffix = path.suffix.lower()
     if not path.is_file():
@@ -49,7 +49,7 @@ def at_frame(scene: Scene, frame: int) -> Scene:
 
 
 def as_command(scene: Scene, output: str = "picture.png", frame: int = 0) -> str:
-    """A shell command that renders the scene; what has no option travels as a scene file in it."""
+    """A shell command that renders the scene; values without an option travel as a scene file in it."""
     data = at_frame(scene, frame).differences()
     table = data.pop("curtain", None)
     options = {e.name: e.option for model in (Scene, CurtainParameters) for e in entries(model)} | {"frame": "--frame"}

@@ -11,7 +11,7 @@ BUDGET = 0.026  # seconds between two looks at the input that are aimed at, so t
 
 
 class Slices:
-    """The base of what draws so. `sides` are what is to be seen.
+    """The base of drawers that work in slices. `sides` hold the pictures.
 
     `_all` yields after each slice whether something new is to be seen. It sets `_refining` once the small picture that
     answers the last edit is there, and begins again where it finds `_again` set before that.
@@ -28,12 +28,12 @@ class Slices:
 
     @property
     def idle(self) -> bool:
-        """True when all that is to be seen is complete."""
+        """True when all pictures are complete."""
         return self._plan is None
 
     @property
     def previewing(self) -> bool:
-        """True while a picture is on its way that answers what was done last."""
+        """True while a picture is on its way that answers the last edit."""
         return self._plan is not None and not self._refining
 
     def _begin(self, sides: int) -> None:
@@ -46,11 +46,11 @@ class Slices:
         if self.previewing:
             self._again = True
         else:
-            self._plan = None  # first: what the old plan holds on to is let go
+            self._plan = None  # first: the old plan lets go of all it holds
             self._plan = self._all()
 
     def work(self, budget: float = BUDGET) -> bool:
-        """Draw for about `budget` seconds; True when what is to be seen has changed."""
+        """Draw for about `budget` seconds; True when the picture has changed."""
         if self._plan is None:
             return False
         changed = False

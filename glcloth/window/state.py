@@ -1,4 +1,4 @@
-"""What a session of the window is about: the scene, what it is compared with, and every edit undone and redone."""
+"""A session of the window: the scene, side B of the comparison, and every edit undone and redone."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..scene import CurtainParameters, Scene, View
 
 Compare = Literal["off", "split", "difference"]
 Mode = Literal["cloth", "curtain"]
-# What B takes from A: the two sides show the same view of the same cloth in the same light.
+# Fields that B takes from A: the two sides show the same view of the same cloth in the same light.
 SHARED = (
     "mesh",
     "objects",
@@ -25,7 +25,7 @@ SHARED = (
     "background",
     "camera",
 )
-# What B of the curtain has of its own: it is the same curtain, at the same moment, in the same light.
+# Fields that B of the curtain has of its own: it is the same curtain, at the same moment, in the same light.
 OWN = ("fabric", "accelerator", "depth", "spread")
 MOST_STEPS = 1000  # of undo that are kept
 # Moving around is no edit: undo leaves the eye where it is.
@@ -41,13 +41,13 @@ class Document:
     ----------
     scene : side A; its fabric is a name or a file until something in it is edited, then the Fabric itself
     origin : the fabric that resets go back to, as it was chosen
-    other : side B, kept in full; only what is not in SHARED counts
+    other : side B, kept in full; only fields outside SHARED count
     compare : whether B is shown, and how
     split : where A ends and B begins, 0 to 1 of the picture's width
     difference_scale : brightness of |A - B|
     mode : which of the two scenes is shown, `scene` or `curtain`
     curtain, curtain_origin : the curtain, and its fabric as it was chosen
-    curtain_other : side B of the curtain, kept in full; only what is in OWN counts
+    curtain_other : side B of the curtain, kept in full; only the fields in OWN count
     layered : whether B of the curtain is drawn as blended layers without shadows, and not traced
     """
 
@@ -70,7 +70,7 @@ class Document:
 
     @property
     def shown_other(self) -> Scene | None:
-        """Side B of what is shown."""
+        """Side B of the scene that is shown."""
         return self.other if self.mode == "cloth" else self.curtain_other
 
     def sides(self) -> list[Scene]:
@@ -119,7 +119,7 @@ class Session:
 
     @property
     def fabric(self) -> Fabric:
-        """The fabric of what is shown (side A) as it is now."""
+        """The fabric of the scene that is shown (side A) as it is now."""
         return self.resolve(self.shown.fabric)
 
     @property
@@ -141,7 +141,7 @@ class Session:
         return self._fabrics[fabric]
 
     def reread(self, fabric: str) -> None:
-        """Read a fabric's file again. Raises InputError when it cannot be read; what was read before then stays."""
+        """Read a fabric's file again. Raises InputError when it cannot be read; the last one then stays."""
         self._fabrics[fabric] = load_fabric(fabric)
 
     @property
@@ -204,20 +204,20 @@ class Session:
         return replace(self.document, **{"curtain_other" if self.in_curtain else "other": other}, **changes)
 
     def _hangable(self, fabric: str | Fabric) -> str | Fabric:
-        """A fabric that the ray tracer can take: one without transmission gets that of a white sheer."""
+        """A fabric that the ray tracer can take: one without transmission gets a white sheer's."""
         value = self.resolve(fabric)
         return fabric if value.transmission is not None else value.changed(transmission=Transmission())
 
     @staticmethod
     def _changed(scene, changes: dict):
         checked = scene.changed(**changes)
-        # Only the changed fields are new objects: whoever compares by identity sees what changed and nothing else.
+        # Only the changed fields are new objects: comparing by identity shows the changes and nothing else.
         return scene.model_copy(update={name: getattr(checked, name) for name in changes})
 
     def choose_fabric(self, fabric: str | Fabric) -> None:
         """Take another fabric; resets go back to it from now on. Raises InputError when it cannot be read.
 
-        In the curtain a fabric without transmission gets that of a white sheer.
+        In the curtain a fabric without transmission gets a white sheer's.
         """
         self.resolve(fabric)
         if self.in_curtain:
@@ -252,7 +252,7 @@ class Session:
         self.edit_fabric(self.fabric.changed(yarn=tuple(yarns)), gesture)
 
     def reset_fabric(self) -> None:
-        """Every parameter of the fabric back to what its origin has."""
+        """Every parameter of the fabric back to its origin's."""
         self.edit_fabric(self.origin)
 
     def compare(self, how: Compare, gesture: str | None = None, **changes) -> None:
@@ -271,7 +271,7 @@ class Session:
         self.apply(replace(self.document, layered=layered))
 
     def swap(self) -> None:
-        """A becomes B and B becomes A; what they share stays."""
+        """A becomes B and B becomes A; shared fields stay."""
         other = self.document.shown_other
         if other is None:
             return
@@ -290,7 +290,7 @@ class Session:
         self.apply(replace(self.document, curtain=scene, curtain_origin=scene.fabric, mode="curtain"))
 
     def move(self, **changes) -> None:
-        """Change camera or size of what is shown: no step of undo."""
+        """Change camera or size of the shown scene: no step of undo."""
         assert set(changes) <= set(NAVIGATION), changes
         name = "curtain" if self.in_curtain else "scene"
         self.document = replace(self.document, **{name: self.shown.model_copy(update=changes)})
@@ -323,7 +323,7 @@ class Session:
         return True
 
     def reject(self) -> None:
-        """Take back the last edit because what it asks for cannot be shown; it cannot be redone."""
+        """Take back the last edit because its result cannot be shown; it cannot be redone."""
         if self.undo():
             self._redo.pop()
 

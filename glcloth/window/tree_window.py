@@ -81,7 +81,7 @@ class TreeWindow:
 
     @property
     def idle(self) -> bool:
-        """True when the window shows what it should."""
+        """True when the window is up to date."""
         return self._plan is None and not self._stale and self._shown
 
     def follow(self, curtain: CurtainShow) -> bool:

@@ -51,7 +51,7 @@ def control(control: Control, value: Any, high: float | None = None, scale: floa
         new = chooser(label, value, list(control.choices)) or value
         changed = new != value
     elif control.kind == "color":
-        # The picker works on what the screen shows, the sliders on the linear shares.
+        # The picker works on the screen's values, the sliders on the linear shares.
         code = [float(c) for c in srgb_encode(np.array(value))]
         flags = imgui.ColorEditFlags_
         picked, code = imgui.color_edit3(f"##{label} colour", code, flags.float | flags.no_inputs | flags.no_label)
@@ -74,7 +74,7 @@ def hovered() -> bool:
 
 
 def help_text(control: Control) -> None:
-    """Say what the last item is, while the pointer rests on it."""
+    """Explain the last item while the pointer rests on it."""
     if not hovered():
         return
     parts = [control.help or control.label]
@@ -92,15 +92,15 @@ def tip(text: str) -> None:
 
 
 def reset(key: str) -> bool:
-    """A button that takes back what differs from the chosen fabric; True when it is pressed."""
+    """A button that takes back changes of the chosen fabric; True when it is pressed."""
     imgui.same_line()
     pressed = imgui.small_button(f"reset##{key}")
-    tip("back to what the fabric came with")
+    tip("back to the value of the chosen fabric")
     return pressed
 
 
 def chooser(label: str, value: str, names: list[str]) -> str | None:
-    """A list of built-in names; a file that is in use stands among them. Returns what was chosen, if anything."""
+    """A list of built-in names; a file that is in use stands among them. Returns the choice, if any."""
     shown = Path(value).name if value not in names else value
     chosen = None
     if imgui.begin_combo(label, shown, imgui.ComboFlags_.height_largest):
@@ -114,7 +114,7 @@ def chooser(label: str, value: str, names: list[str]) -> str | None:
 
 
 def buttons(*row: tuple[str, Callable[[], object], bool], small: bool = False) -> None:
-    """A row of buttons: what stands on each, what it does, and whether it would do something."""
+    """A row of buttons: label, action, and whether it is enabled, of each."""
     for number, (label, action, enabled) in enumerate(row):
         if number:
             imgui.same_line()
@@ -126,7 +126,7 @@ def buttons(*row: tuple[str, Callable[[], object], bool], small: bool = False) -
 
 
 class Panel:
-    """A part of the panels: draws controls, and turns what is done in them into edits."""
+    """A part of the panels: draws controls, and turns their input into edits."""
 
     def __init__(self, actions: Actions):
         self.actions, self.session = actions, actions.session
@@ -141,9 +141,9 @@ class Panel:
         origin: Any = None,
         high: float | None = None,
     ) -> None:
-        """The control of a field of `holder`; `edit(gesture, **changes)` takes what is done.
+        """The control of a field of `holder`; `edit(gesture, **changes)` applies it.
 
-        origin : what a reset goes back to, if there is one; high : narrows the range
+        origin : the holder that a reset goes back to, if there is one; high : narrows the range
         """
         value = getattr(holder, item.name)
         changed, new = control(item, value, high, self.actions.layout.scale)

@@ -18,8 +18,8 @@ float sin_limit(float sin_theta, float cos_theta, float cos_tilt, float sin_tilt
     return sqrt(max(1.0 - q * q, 0.0));
 }
 
-// [Miz 5-6, 12]  What the terms take from a pair of nodes (theta, phi) and (theta, -phi) on a tangent's lobe: columns M, F_r,
-// cos(phi_d / 2); phi_o as its cosine and sine.
+// [Miz 5-6, 12]  Inputs of the terms from a pair of nodes (theta, phi) and (theta, -phi) on a tangent's lobe: columns
+// M, F_r, cos(phi_d / 2); phi_o as its cosine and sine.
 mat3x2 scatter_pair(float cos_phi, float sin_phi, vec2 phi_o, float cos_theta_d, float F_0, vec4 series) {
     vec4 cos_phi_d = vec4(cos_phi * phi_o.x + sin_phi * phi_o.y, cos_phi * phi_o.x - sin_phi * phi_o.y, 0.0, 0.0);
     vec4 M = D_masks(g_of_cos(cos_phi_d, series), vec4(cos_phi), vec4(max(phi_o.x, 0.0)));

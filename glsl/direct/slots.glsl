@@ -48,8 +48,8 @@ vec4 lobe_slots(vec4 theta_i, vec4 start, vec4 slope, vec4 height) {
     return exp2(height - x * x);
 }
 
-// [Miz 5-6, 12]  What the terms of f_s and W take from two directions: columns M, F_r, cos(phi_d / 2) / 2, 4 cos^2(theta_d).
-// No term needs a clamp at its tangent's horizon, where P vanishes.
+// [Miz 5-6, 12]  Inputs of the terms of f_s and W from two directions: columns M, F_r, cos(phi_d / 2) / 2,
+// 4 cos^2(theta_d). No term needs a clamp at its tangent's horizon, where P vanishes.
 mat4 scatter_slots(vec4 t, vec4 cos_theta_i, vec4 cos_phi_i, vec4 cos_phi_d, vec4 sin_theta_o, vec4 cos_theta_o, vec4 cos_phi_o,
                    vec4 F_0, vec4 series) {
     vec4 M = D_masks(g_of_cos(cos_phi_d, series), cos_phi_i, cos_phi_o);

@@ -10,7 +10,7 @@ vec3 twice_integrated(vec3 u, vec3 gaussian) {
     return half_root_pi * u * vec3(erf(u.x), erf(u.y), erf(u.z)) + 0.5 * gaussian;
 }
 
-// [Miz below 16]  What h counts for at a node theta_s, where h = a_s theta + b_s between nodes of equal distance: the
+// [Miz below 16]  The weight of h at a node theta_s, where h = a_s theta + b_s between nodes of equal distance: the
 // integral of g times the hat over the node, over sigma. The printed sum of a_s and b_s terms is the second difference
 // of twice_integrated, given here at the node before, at the node and at the node after it.
 // u = (theta_s - mu) / sigma, gaussian = exp(-u^2), step = distance of the nodes / sigma. A small step cancels; there a

@@ -1,4 +1,4 @@
-// What the paper method's integrals I of one tangent and one Gaussian are made of: Gaussians of theta, and nodes.   [Miz 11-16]
+// Parts of the paper method's integrals I of one tangent and one Gaussian: Gaussians of theta, and nodes.   [Miz 11-16]
 // Twin: glcloth/twins/tangent_integral.py
 #include "core/math.glsl"
 #include "sg/fresnel_sum.glsl"
@@ -15,7 +15,7 @@ mat3 theta_gaussians(float theta_k, float sharpness, float theta_o, float k_d, f
     return mat3(mu, sigma, scale);
 }
 
-// [Miz 13-16]  What a node theta counts for in (I_s, I_v / A): `weight` of the three Gaussians, times cos^2(theta) /
+// [Miz 13-16]  The share of a node theta in (I_s, I_v / A): `weight` of the three Gaussians, times cos^2(theta) /
 // cos^2(theta_d), times the sums of F_r cos(phi_d / 2) and of (1 - F_r)^2 over the azimuth; slope is 1 / (cos(theta) +
 // cos(theta_o)).
 vec2 node_terms(vec3 weight, float cos_theta, float cos_theta_d, float slope, float F_0, vec4 T_1, vec4 T_5, vec4 T_9) {

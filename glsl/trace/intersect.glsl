@@ -74,7 +74,7 @@ vec4 hit_triangle(vec3 a, vec3 b, vec3 c, vec3 shear) {
     return hit_edges(vec3(edge_function(C, B), edge_function(A, C), edge_function(B, A)), vec3(a.z, b.z, c.z), shear);
 }
 
-// [own]  Where a ray goes on behind what it met at t. Hits within a hair of each other are the same layer's: two triangles
+// [own]  Where a ray goes on behind its hit at t. Hits within a hair of each other are the same layer's: two triangles
 // that share an edge are both met there, at t that differ by rounding.
 float behind_layer(float t) {
     return t + 1e-5 * (1.0 + t);

@@ -1,4 +1,4 @@
-// What the passes of the ray tracer and glcloth/curtain share; read by glcloth/gpu/layout.py.
+// Constants that the ray tracer's passes and glcloth/curtain share; read by glcloth/gpu/layout.py.
 
 // Counters of a build, one uint each.
 const int NODE_COUNT = 0;        // nodes made so far
@@ -28,7 +28,7 @@ const int STACK = 48;            // the deepest a tree may be: LARGE_LEVELS + SM
 const int LARGE_LEVELS = 28;
 const int SMALL_LEVELS = 20;
 const int LARGE_PLANES = 15;      // planes across each axis at which a large node may be split, evenly spread
-const int LANE_TEXELS = 17;      // what a lane notes of a large node: 2 + 2 LARGE_PLANES
+const int LANE_TEXELS = 17;      // notes of a lane about a large node: 2 + 2 LARGE_PLANES
 const int MASK_BITS = 64;        // the largest small node   [Zhou 2008, section 3.1]
 const float C_TS = 2.0;          // cost of a step in triangle tests
 const float EMPTY_SHARE = 0.15;  // C_e: the share of a large node's extent above which empty space is cut off

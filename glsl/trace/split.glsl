@@ -12,8 +12,8 @@ vec3 planes_at(vec3 low, vec3 high, float fraction) {
     return planes;
 }
 
-// [Mat 6]  What the two parts of a box cost that each of these planes makes, by the surface area heuristic, times half the
-// area of the box; `left` and `right` are the references in the parts. No plane parts a box that is flat across it.
+// [Mat 6]  Costs of splitting a box at each of these planes, by the surface area heuristic, times half the area of the
+// box; `left` and `right` are the references in the parts. No plane parts a box that is flat across it.
 vec3 plane_costs(vec3 low, vec3 high, float fraction, vec3 left, vec3 right) {
     vec3 e = high - low;
     vec3 face = e.yzx * e.zxy;

@@ -1,5 +1,5 @@
 // Directions through a sheet of cloth, drawn from its lobes.   Twin: glcloth/twins/spread.py
-// omega_o points toward the viewer in the frame with z = N; what is drawn points away on the other side (z < 0).
+// omega_o points toward the viewer in the frame with z = N; drawn directions point away on the other side (z < 0).
 #include "core/math.glsl"
 #include "trace/random.glsl"
 #include "woven/sheet.glsl"
@@ -7,7 +7,7 @@
 // [own]  The largest component.
 float largest(vec3 v) { return max(v.r, max(v.g, v.b)); }
 
-// [own]  What passes straight on: (through the yarns, through the holes); their sum is T_sheet.
+// [own]  Light that passes straight on: (through the yarns, through the holes); their sum is T_sheet.
 vec4 straight_parts(vec3 omega_o, float k_a, float k_t, vec3 tau, float rho) {
     float open = T_open(omega_o, rho);
     return vec4((1.0 - open) * k_t * absorption(omega_o, omega_o, tau), k_a * open);
@@ -16,7 +16,7 @@ vec4 straight_parts(vec3 omega_o, float k_a, float k_t, vec3 tau, float rho) {
 // [own]  The chance with which a hole is drawn instead of a yarn, of such parts.
 float hole_chance(vec4 parts) { return parts.a / max(parts.a + largest(parts.rgb), 1e-12); }
 
-// [own]  What a ray counts for that was drawn through a hole (`hole` = 1) or through the yarns (0).
+// [own]  The weight of a ray drawn through a hole (`hole` = 1) or through the yarns (0).
 vec3 drawn_weight(vec4 parts, int hole) {
     float chance = hole_chance(parts);
     return hole == 1 ? vec3(parts.a / max(chance, 1e-12)) : parts.rgb / max(1.0 - chance, 1e-12);

@@ -1,4 +1,4 @@
-// What a point sees of its surroundings.   Twin: glcloth/twins/visibility.py
+// Visibility of a point's surroundings.   Twin: glcloth/twins/visibility.py
 
 // [own]  How much a direction of the cosine z belongs to the horizon, to the band above it and to the top; they sum to 1.
 vec3 band_shares(float z) {
@@ -20,25 +20,25 @@ float from_bands(vec3 omega, vec4 low, vec4 middle, float top) {
     return dot(quadrant_shares(omega), bands.x * low + bands.y * middle) + bands.z * top;
 }
 
-// [own]  One diffuse bounce: what hides the light is cloth of that albedo, lit about as the point itself.
+// [own]  One diffuse bounce: the occluder is cloth of that albedo, lit about as the point itself.
 vec3 bounced(vec3 L, vec3 albedo, float V_0) {
     return L * (1.0 + albedo * (1.0 - V_0));
 }
 
-// [own]  What is seen and what there is (>= 0), four times in a word each: the share of it in 16 bits, and a float cut to
-// as many, with which the shares of several probes are weighted.
+// [own]  The seen part and the whole (>= 0), four times, in a word each: the share in the low 16 bits, and in
+// the high ones the whole as a cut float, which weights the shares of several probes.
 uvec4 packed_sums(vec4 seen, vec4 all) {
     vec4 share = mix(vec4(1.0), seen / max(all, 1e-30), greaterThan(all, vec4(1e-30)));
     // By way of int: a driver may have no fast way from float to uint and back.
     return uvec4(ivec4(65535.0 * share + 0.5)) | (floatBitsToUint(all) + 0x8000u & 0xffff0000u);
 }
 
-// [own]  What there is of such words.
+// [own]  The whole of such words.
 vec4 all_of_sums(uvec4 sums) {
     return uintBitsToFloat(sums & 0xffff0000u);
 }
 
-// [own]  65535 times what is seen.
+// [own]  65535 times the seen part.
 vec4 seen_of_sums(uvec4 sums) {
     return all_of_sums(sums) * vec4(ivec4(sums & 0xffffu));
 }

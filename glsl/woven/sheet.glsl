@@ -26,7 +26,7 @@ vec3 absorption(vec3 omega_i, vec3 omega_o, vec3 tau) {
     return exp(-tau * ways);
 }
 
-// [Mat 1]  What one unit of light through the yarns does: 1/2 f_t + 1/2 f_p, the diffuse and the directed transmission.
+// [Mat 1]  One unit of light through the yarns: 1/2 f_t + 1/2 f_p, the diffuse and the directed transmission.
 //   f_t = (1 - diffuse) f_GGX(roughness, eta_1, eta_2) + diffuse / pi,   f_p = f_straight(roughness_p)
 // The Lambertian share is ours: one interface bends light by a few degrees only.
 float f_yarn(vec3 omega_i, vec3 omega_o, float roughness, float eta_1, float eta_2, float diffuse, float roughness_p) {

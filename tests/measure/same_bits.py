@@ -38,7 +38,8 @@ POSES = 3
 
 def environment(tree, cache):
     """Variables of a process that uses the package of a tree; run it in a folder that holds no `glcloth`."""
-    return {**os.environ, "PYTHONPATH": str(Path(tree).resolve()), "GLCLOTH_CACHE": str(cache)}
+    path = os.pathsep.join([str(Path(tree).resolve()), *filter(None, [os.environ.get("PYTHONPATH")])])
+    return {**os.environ, "PYTHONPATH": path, "GLCLOTH_CACHE": str(cache)}
 
 
 def pictures():

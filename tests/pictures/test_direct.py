@@ -460,3 +460,18 @@ def test_levels_and_shares():
     for sharpness in np.geomspace(0.1, 1e6, 300):
         parts = schedule.levels(schedule.SCHEDULES["normal"], sharpness, 0.0, lobes)
         assert abs(sum(share for _, share in parts) - 1) < 1e-3 and len(parts) <= 2
+
+
+def test_more_directions_than_one_row_of_work_groups(renderer, monkeypatch):
+    """A device takes 65,535 work groups in a row; beyond that they are laid in rows."""
+    omega_o = directions_up(1000)
+    expected = renderer.radiance("linen", omega_o, sky())
+    monkeypatch.setattr(programs(renderer.ctx), "most_groups", 3)
+    assert np.array_equal(renderer.radiance("linen", omega_o, sky()), expected)
+
+
+def test_the_adaptive_rate_of_more_pixels_than_one_dispatch_takes(renderer, monkeypatch):
+    scene = dict(fabric="linen", mesh="drape", lights=sky(), size=(64, 48), background=False, shadows="off")
+    expected = renderer.render(**scene, adaptive=True)
+    monkeypatch.setattr(programs(renderer.ctx), "most_groups", 2)
+    assert np.array_equal(renderer.render(**scene, adaptive=True), expected)

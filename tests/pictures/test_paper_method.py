@@ -152,3 +152,12 @@ def test_wide_volumes_of_slices_are_tiled(renderer, monkeypatch):
 def test_wrong_settings_are_refused(renderer, settings):
     with pytest.raises(InputError, match="expected"):
         renderer.radiance("linen", VIEWS, LOBES, method="paper", **settings)
+
+
+def test_light_below_the_horizon_does_not_reach_upright_fibres(renderer):
+    """A narrow Gaussian below the horizon of N: T of an upright tangent is 0 there, as the reference has it."""
+    below = SphericalGaussians([[0.6, 0.1, -0.79]], [200.0], [[1.0, 1.0, 1.0]])
+    above = SphericalGaussians([[0.6, 0.1, 0.79]], [200.0], [[1.0, 1.0, 1.0]])
+    settings = dict(method="paper", grid=16)
+    lit = renderer.radiance("velvet", VIEWS, above, **settings).max()
+    assert renderer.radiance("velvet", VIEWS, below, **settings).max() < 0.02 * lit

@@ -1,6 +1,7 @@
 """Pictures of the built-in cloth: every method against the judge, finite everywhere, and the same in another process."""
 
 import hashlib
+import re
 import subprocess
 import sys
 
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 from glcloth.color import luminance
+from glcloth.errors import InputError
 from glcloth.fabric import builtin_fabrics
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 
@@ -69,3 +71,22 @@ def test_another_process_draws_the_same_bits(renderer):
     other = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip()
     mine = renderer.render(fabric="linen", environment="sky", size=(64, 48))
     assert hashlib.sha256(mine.tobytes()).hexdigest() == other
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"quality": "x"}, "quality = 'x': expected draft, normal, high"),
+        ({"segments": "6", "method": "paper"}, "segments = '6': expected a whole number"),
+        ({"cube": 2.5, "method": "reference"}, "cube = 2.5: expected a whole number"),
+        ({"light": "map", "method": "reference"}, "give the environment too"),
+        ({"shadows": "sunny"}, "expected off, sun, full"),
+        ({"omega_o": [[0.0, 0.0, 2.0]]}, "directions of length 1"),
+        ({"omega_o": [[0.0, 0.0, np.nan]]}, "directions of length 1"),
+        ({"method": "none"}, "expected one of direct"),
+    ],
+)
+def test_wrong_arguments_of_radiance_are_input_errors(renderer, changes, said):
+    light = SphericalGaussians([[0, 0, 1]], [4.0], [[1, 1, 1]])
+    with pytest.raises(InputError, match=re.escape(said)):
+        renderer.radiance("linen", changes.pop("omega_o", [[0, 0, 1]]), light, **changes)

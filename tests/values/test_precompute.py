@@ -266,3 +266,10 @@ def test_the_report_adds_up():
 @pytest.fixture
 def rng():
     return np.random.default_rng(5)
+
+
+@pytest.mark.parametrize("tilt", [90, -90, 89.99999999])
+def test_an_upright_tangent_is_not_turned_over_by_rounding(tilt):
+    """Rounded to nine digits pi / 2 would be more than a right angle."""
+    for shape in precompute.shapes_of(weave([tilt], [15]))[0]:
+        assert np.cos(shape.tilt) > 0.0 and abs(shape.tilt) <= np.pi / 2

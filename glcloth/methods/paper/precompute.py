@@ -102,11 +102,16 @@ class Placement:
     phi: int
 
 
+def _rounded(tilt: float) -> float:
+    """A tilt to nine digits, never beyond a right angle: its cosine would be negative and turn the horizon over."""
+    return float(np.clip(round(tilt, 9), -np.pi / 2, np.pi / 2))
+
+
 def shapes_of(fabric: Fabric) -> tuple[tuple[Shape, ...], tuple[Placement, ...]]:
     """The different shapes among a fabric's tangents, and the placement of each tangent: mirror images share a table."""
     # Rounded, so that mirror images are recognised; 1e-9 is far below the tables' error.
     terms = [
-        (t.yarn, round(t.tilt, 9), round(float(w[1]), 9)) for t, w in zip(fabric.tangents, fabric.weights, strict=True)
+        (t.yarn, _rounded(t.tilt), round(float(w[1]), 9)) for t, w in zip(fabric.tangents, fabric.weights, strict=True)
     ]
     shapes: list[Shape] = []
     placements = []

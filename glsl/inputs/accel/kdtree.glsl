@@ -1,7 +1,7 @@
 // Traversal of the kd-tree with a stack, near child first.   [Zhou 2008, section 4; Havran 2000]
-// Needs struct Ray, struct Visit, t_limit() and accept() from the pass that includes it. accept() is told the part of the ray
-// that lies in the leaf. A visitor that defines SETTLES is also asked, by settle(), after each leaf: true if the leaf is to
-// be gone through again, because it wants what lies behind its hit.
+// Needs struct Ray, struct Visit, t_limit() and accept() from the pass that includes it. accept() gets the ray's part
+// in the leaf. A visitor that defines SETTLES also has settle(), called after each leaf: true to go through the leaf
+// again, for hits behind the last one.
 // A software rasteriser executes the body of a loop whose test stands at the top once more than it is wanted, for no lane;
 // so tests stand at the end.
 #include "trace/shared.glsl"

@@ -51,7 +51,7 @@ void traverse(Ray ray, inout Visit visit) {
             }
             ++i;
         } while (i < last);
-        // What begins beyond the nearest hit is not worth a visit.
+        // A node that begins beyond the nearest hit is not worth a visit.
         at = 0xffffffffu;
         bool search = top > 0;
         do {

@@ -1,4 +1,4 @@
-// A ray and what Woop's triangle test needs of it, once per ray.
+// A ray, and the values for Woop's triangle test, once per ray.
 #include "trace/intersect.glsl"
 
 struct Ray {

@@ -1,4 +1,4 @@
-// What a traversal looks for: whether anything is hit at all.
+// A traversal looks for any hit.
 #include "trace/shared.glsl"
 
 struct Visit {

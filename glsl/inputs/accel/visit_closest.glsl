@@ -1,4 +1,4 @@
-// What a traversal looks for: the nearest hit. Of hits at the same t the triangle of the lowest number counts, so that
+// A traversal looks for the nearest hit. Of hits at the same t the triangle of the lowest number counts, so that
 // every structure finds the same one.
 #include "trace/shared.glsl"
 

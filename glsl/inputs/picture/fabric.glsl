@@ -1,5 +1,5 @@
 // The fabric of a draw: its buffer, and its reflectance summed over all tangents, exactly.   [Miz 5-6]
-// glcloth/gpu/scene_buffers.py fills the buffer: two Yarns, then the Tangents of yarn 0 and those of yarn 1.
+// glcloth/gpu/scene_buffers.py fills the buffer: two Yarns, then the Tangents of yarn 0 and of yarn 1.
 #include "core/shared.glsl"
 #include "fibre/frame.glsl"
 #include "fibre/tangent.glsl"

@@ -1,7 +1,7 @@
 // Places in lists that all work groups append to. Invocations claim theirs within the group, and the group claims all of
 // them at once: one atomic operation a group and list, since cores that meet at one address wait for each other. Every
 // invocation calls begin_claims() and settle_claims() once, outside of any branch, and claims in between.
-// The lists are those of counts.glsl below READ_COUNTS.
+// counts.glsl names the lists, below READ_COUNTS.
 #include "inputs/tracing/counts.glsl"
 
 const int CLAIMS = READ_COUNTS;

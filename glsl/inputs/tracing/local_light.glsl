@@ -26,12 +26,12 @@ vec3 even_light(Surface s) {
     return ambient * (s.cloth ? cloth_albedo : s.diffuse);
 }
 
-// Radiance of what the lamp sends to a surface that is not cloth.
+// Radiance of a surface that is not cloth in the lamp's light.
 vec3 lamp_light_solid(Surface s, LampRay l) {
     return s.diffuse * l.E * (l.behind ? 0.0 : max(dot(l.direction, s.N), 0.0) / PI);
 }
 
-// Radiance toward omega_o (surface frame) of what the lamp sends to cloth.
+// Radiance of cloth toward omega_o (surface frame) in the lamp's light.
 vec3 lamp_light_cloth(mat3 world_from_surface, vec3 omega_o, LampRay l) {
     vec3 omega_i = l.direction * world_from_surface;
     if (!l.behind) return reflection_limit * l.E * f_cloth(omega_i, omega_o);

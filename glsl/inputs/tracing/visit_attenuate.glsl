@@ -1,4 +1,4 @@
-// What a traversal looks for: what is left of the light along a ray. Cloth attenuates, anything else blocks, and so do
+// A traversal looks for the light that is left along a ray. Cloth attenuates, anything else blocks, and so do
 // more than eight layers of cloth.
 // A triangle may be met in several leaves: a hit counts in the one it lies in. Layers of cloth are noted first and reckoned
 // together, because the rays of one SIMD vector meet them at different steps; in the order of their triangles, each once,
@@ -28,7 +28,7 @@ uint lowest(uvec4 a, uvec4 b) {
     return min(min(m.x, m.y), min(m.z, m.w));
 }
 
-// What the layers that were noted let through.
+// The light that the noted layers let through.
 vec3 reckon(Visit visit, Ray ray) {
     vec3 through = vec3(visit.t > 0.0 ? 1.0 : 0.0);
     vec4 latest_t = vec4(-1.0);

@@ -1,4 +1,4 @@
-// What a traversal looks for: the layers of cloth along a ray in their order, up to the first hit that is not cloth, or
+// A traversal looks for the layers of cloth along a ray in their order, up to the first hit that is not cloth, or
 // `most_layers` of them. One traversal then serves the ray and all that goes on straight behind it. A hit that is found
 // in the leaf it lies in is the nearest behind the one before; of hits at the same t the lowest triangle counts.
 #include "trace/shared.glsl"

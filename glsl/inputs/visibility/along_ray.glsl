@@ -1,4 +1,4 @@
-// The light of a direction, or what a ray meets in its way: "along.glsl" with shadows.
+// The light of a direction, or of the surface that hides it: "along.glsl" with shadows.
 #include "inputs/accel/ray.glsl"
 #include "visit.glsl"
 #include "accel.glsl"

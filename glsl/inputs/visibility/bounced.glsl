@@ -1,5 +1,5 @@
-// What a ray that met something brings back: a Lambertian's light, from the irradiance at the vertices about the hit.
-// Needs struct Visit from the pass that includes it; SEVERAL_SURFACES where there is more to meet than cloth.
+// Light from a ray's hit: a Lambertian's, from the irradiance at the vertices about the hit.
+// Needs struct Visit from the pass that includes it; SEVERAL_SURFACES where rays meet more than cloth.
 #include "core/math.glsl"
 uniform samplerBuffer irradiance_data;  // two a vertex: of the front, of the back
 uniform isamplerBuffer corner_index;    // three a triangle, in the order that hits are weighted in

@@ -1,4 +1,4 @@
-// Which vertices of the ground lie about a point of it.
+// The vertices of the ground about a point of it.
 #include "trace/ground.glsl"
 uniform vec2 ground_middle;  // x, z
 uniform float ground_scale;
@@ -10,7 +10,7 @@ int ground_vertex(int ring, int sector) {
     return ground_first + (ring == 0 ? 0 : 1 + ground_sectors * (ring - 1) + sector % ground_sectors);
 }
 
-// The four vertices about a point, and what each counts for.
+// The four vertices about a point, and their weights.
 ivec4 ground_cell(vec3 x, out vec4 weights) {
     vec2 place = ground_place(x.xz - ground_middle, ground_scale, float(ground_rings), float(ground_sectors));
     int ring = min(int(place.x), ground_rings - 1), sector = int(place.y);

@@ -1,5 +1,5 @@
 // Irradiance of Gaussians of amplitude 1 by the cosine of their axis: a table that the host makes for the lights of a draw.
-// Twin of what it holds: glcloth/twins/lambert.py gaussian_irradiance
+// Twin of its values: glcloth/twins/lambert.py gaussian_irradiance
 uniform samplerBuffer irradiance_table;
 
 const int IRRADIANCE_STEPS = 256;  // of the cosine, from -1 to 1

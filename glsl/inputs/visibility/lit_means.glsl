@@ -1,4 +1,4 @@
-// Irradiance from Gaussians and suns, each as far as the pixel sees it, and what comes back: "lit.glsl" of methods direct
+// Irradiance from Gaussians and suns, each as far as the pixel sees it, and bounced light: "lit.glsl" of methods direct
 // and paper.
 #include "inputs/picture/lights.glsl"
 #include "inputs/visibility/irradiance_table.glsl"

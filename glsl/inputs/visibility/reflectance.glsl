@@ -1,2 +1,2 @@
-// What the triangles about the cloth reflect: of each object's triangle, then of the ground's.
+// Reflectance of each object's triangles, then of the ground's.
 uniform samplerBuffer reflectance_data;

@@ -1,4 +1,4 @@
-// What a pixel sees of each light, four values a texel. Numbered through they are V_0, V_1 .. V_K, the top of the broad
+// Visibility of each light from a pixel, four values a texel, in this order: V_0, V_1 .. V_K, the top of the broad
 // light, then from a whole texel on the rest of it (four of the low band, four of the middle one), then the suns.
 #include "trace/visibility.glsl"
 uniform sampler2DArray seen;  // passes/visibility/pixels.comp

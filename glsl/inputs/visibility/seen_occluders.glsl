@@ -1,6 +1,6 @@
-// As inputs/visibility/seen_pixels.glsl, where other surfaces hide light too. A ground hides what comes from below the
-// horizon, and the nine parts of the broad light tell of what comes from above, so that the horizon does not blur into the
-// shadows of the cloth; and what comes back from all surfaces is known.
+// As inputs/visibility/seen_pixels.glsl, where other surfaces hide light too. A ground hides all light from below the
+// horizon, and the nine parts of the broad light hold only light from above, so that the horizon does not blur into the
+// shadows of the cloth; and the bounced light from all surfaces is known.
 #include "core/math.glsl"
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/visibility/seen_layers.glsl"
@@ -27,8 +27,8 @@ float V_broad(vec3 omega) {
     return above * V_parts(omega);
 }
 
-// What comes back is light from all over the hemisphere, more of it from its mean direction: the fabric gives back of it
-// what it does of a white furnace toward the viewer, and as much more or less as its first moment says.
+// Bounced light comes from all over the hemisphere, more of it from its mean direction: the fabric reflects it toward
+// the viewer as it does a white furnace, and as much more or less as its first moment says.
 vec3 with_bounce(vec3 L) {
     if (albedo == vec3(0.0)) return L;
     vec3 back = texelFetch(bounced_light, ivec3(seen_pixel, 0), 0).rgb;

@@ -1,4 +1,4 @@
-// What the pixel that is being shaded sees of each light, where cloth alone hides light: "seen.glsl" of a program with shadows.
+// Visibility of each light from the shaded pixel, where cloth alone hides light: "seen.glsl" of a program with shadows.
 #include "inputs/visibility/seen_layers.glsl"
 
 void fetch_visibility(ivec2 pixel) { fetch_layers(pixel); }

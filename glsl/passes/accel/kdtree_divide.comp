@@ -5,7 +5,7 @@
 // A node is four texels: (low, split) (high, axis) (first child, kind, depth, first lane) (first reference, count, -, -).
 // Each node is split once a level, so several empty sides are cut off level by level. The node's last word keeps for the
 // third pass how: bit 0: all references go left, bit 1: all go right.
-// References lie in one buffer in three runs of `ref_capacity`: those of this level, of the next, and of small nodes.
+// References lie in one buffer in three runs of `ref_capacity`: this level's, the next one's, and those of small nodes.
 #include "trace/shared.glsl"
 #include "trace/split.glsl"
 layout(local_size_x = 64) in;

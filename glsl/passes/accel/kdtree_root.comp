@@ -1,5 +1,5 @@
 #version 430
-// The root's cell: the box of all references, from what the lanes of the first measurement found.
+// The root's cell: the box of all references, from the lanes of the first measurement.
 #include "trace/shared.glsl"
 layout(local_size_x = 8) in;
 #include "inputs/gpu/item.glsl"

@@ -26,7 +26,7 @@ mat2x3 narrowed(mat3 part, vec3 low, vec3 high) {
     return some ? mat2x3(new_low, new_high) : mat2x3(low, high);
 }
 
-// The box of what lies on one side of the plane of two triangles (a, c, b) and (b, c, d).
+// The box of the part on one side of the plane of two triangles (a, c, b) and (b, c, d).
 mat3 clipped_pair(vec3 a, vec3 b, vec3 c, vec3 d, vec4 plane, float side) {
     mat3 p = clipped_box(a, b, c, plane.xyz, plane.w, side);
     mat3 q = clipped_box(d, b, c, plane.xyz, plane.w, side);

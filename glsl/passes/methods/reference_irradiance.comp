@@ -1,10 +1,11 @@
 #version 430
-// Irradiance at the vertices of the cloth and of what stands about it, on both sides, from the directions that no triangle hides: `direction_count` of
-// them from `first_direction` on are added.
+// Irradiance at the vertices of the cloth and the objects, on both sides, from the directions that no triangle hides:
+// `direction_count` of them from `first_direction` on are added.
 #include "inputs/accel/ray.glsl"
 #include "visit.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
 uniform samplerBuffer direction_data;  // pairs: (omega, -), (flux, -)
 uniform samplerBuffer vertex_data;     // three texels a vertex: position and normal, each with a lift; tangent
 layout(std430) buffer Irradiance { vec4 irradiance[]; };  // two a vertex: of the front, of the back
@@ -14,7 +15,7 @@ uniform int direction_count;
 uniform float offset;  // how far from the vertex rays start, metres
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= vertex_count) return;
     vec4 position = texelFetch(vertex_data, 3 * i);
     vec4 N = texelFetch(vertex_data, 3 * i + 1);

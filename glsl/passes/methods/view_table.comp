@@ -1,5 +1,5 @@
 #version 430
-// What cloth that is seen from omega_o makes of light at a few directions x_j: c_j = int f cos(theta_i) B_j, for method
+// Radiance of cloth toward omega_o from light at a few directions x_j: c_j = int f cos(theta_i) B_j, for method
 // `direct`; omega_o over the disk, B_j the share of x_j in light from between (glcloth/methods/direct/broad_nodes.py).   [own]
 // Its place in z is a block of 16 directions.
 #include "core/disk.glsl"

@@ -36,8 +36,8 @@ vec4 between(ivec2 low, ivec2 d, vec4 N) {
     // A curve bends alike at both; where a shadow's edge passes between they are opposite and as large as the step.
     float doubt = max(max(abs(B_a), abs(B_b)) / 16.0, abs(B_a - B_b) / 8.0);
     vec4 N_a = frame_at(low), N_b = frame_at(low + d);
-    // The normal itself is known everywhere. Radiance follows it, so what the normal is off its neighbours' mean, in
-    // units of their difference, says what interpolation misses of the radiance's difference.
+    // The normal itself is known everywhere. Radiance follows it, so the normal's distance from its neighbours'
+    // mean, in units of their difference, tells the share of the radiance's difference that interpolation misses.
     vec3 step_N = N_b.xyz - N_a.xyz, off = N.xyz - 0.5 * (N_a.xyz + N_b.xyz);
     float missed = abs(l_a - l_b) * length(off) / (length(step_N) + 1e-4);
     bool same = N_a.w == N.w && N_b.w == N.w;

@@ -1,12 +1,12 @@
 #version 430
-// Shades what stands about the cloth, objects and ground, where it is seen: Lambertians that get the light of "lit.glsl".
+// Shades the objects and the ground where they are seen: Lambertians that get the light of "lit.glsl".
 #include "core/math.glsl"
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 #include "lit.glsl"
 #include "inputs/visibility/reflectance.glsl"
 uniform float pass_weight;    // share of this sample in the pixel
-uniform float pass_cover;     // what this pass adds to the pixel's coverage
+uniform float pass_cover;     // this pass's part of the pixel's coverage
 out vec4 color;
 
 void main() {

@@ -1,8 +1,8 @@
 #version 430
 // Between two substeps. Finish the last one: solids push the cloth out, friction holds it, and the velocity follows
-// from what moved. Begin the next: acceleration changes the velocity, the velocity moves the vertex.
+// from the motion. Begin the next: acceleration changes the velocity, the velocity moves the vertex.
 // One invocation per vertex. Defines: FINISH, BEGIN, CONTACT (0 or 1): a software rasteriser executes every branch,
-// taken or not, so what is not wanted must not be compiled. "solids.glsl" is written by glcloth/simulation/cloth.py: one
+// taken or not, so unwanted code must not be compiled. "solids.glsl" is written by glcloth/simulation/cloth.py: one
 // call of `resolve` for each solid.
 #include "simulate/collide.glsl"
 layout(local_size_x = 64) in;
@@ -49,7 +49,7 @@ void main() {
 #endif
     vec3 resolved = resolve_solids(point, before);
     point = position.w > 0.0 ? resolved : point;
-    // Only what was corrected changes the velocity: (point - before) / h would round a whole step's way to the grid of
+    // Only the correction changes the velocity: (point - before) / h would round a whole step's way to the grid of
     // float32, which at h = 0.4 ms is a few per cent of gravity.
     velocity = moves * keep * (velocity + (point - (before + h * velocity)) / h);
 #endif

@@ -36,7 +36,7 @@ void main() {
             vec3 e = there - here;
             int other_i = other / columns;
             bool woven = abs(other_i - i) <= 1 && abs(other - other_i * columns - j) <= 1;
-            // Another cell may share the bucket: what is not of this cell is met in its own, or is too far.
+            // Another cell may share the bucket: its vertices are met in their own cell, or are too far.
             if (!woven && dot(e, e) < cell_size * cell_size && floor(there / cell_size) == cell) {
                 if (found < MAX_NEAR) {
                     near[index * MAX_NEAR + found] = other;

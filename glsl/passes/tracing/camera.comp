@@ -6,7 +6,7 @@
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 layout(std430) writeonly buffer Heads { vec4 head_out[]; };      // (origin, t_min) (direction, t_max)
-layout(std430) writeonly buffer Weights { vec4 weight_out[]; };  // what the ray counts for; its layer
+layout(std430) writeonly buffer Weights { vec4 weight_out[]; };  // the ray's weight; its layer
 uniform ivec2 size;         // of the picture
 uniform ivec2 tile_first;   // its first pixel, rows counted from below
 uniform ivec2 tile_blocks;  // how many blocks

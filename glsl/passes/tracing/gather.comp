@@ -1,5 +1,5 @@
 #version 430
-// Adds to each ray of a generation what its children brought.   [Mat section 4.2, step 6]
+// Adds to each ray of a generation its children's light.   [Mat section 4.2, step 6]
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 uniform samplerBuffer next_radiance;

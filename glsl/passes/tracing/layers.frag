@@ -1,5 +1,5 @@
 #version 430
-// The rasterised picture: every surface in the lamp's light without shadows; cloth covers what lies behind it by the share
+// The rasterised picture: every surface in the lamp's light without shadows; cloth covers others behind it by the share
 // that does not pass straight on.   [Mat section 3, figure 2]
 #include "inputs/tracing/local_light.glsl"
 uniform vec3 eye;

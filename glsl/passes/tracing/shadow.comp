@@ -2,7 +2,7 @@
 // Adds the lamp's light to the rays that wait for it, attenuated by the cloth on its way.
 // A shadow ray runs from the lamp to the point: where the lamp is outside, the walls round the window end most of those that
 // end at all, long before the folds of the curtain. Far from the scene it begins near it, for the digits of its hits.
-// With structures that take several dispatches (`resume`), the shadow ray keeps in its radiance what is left so far.
+// With structures that take several dispatches (`resume`), the shadow ray keeps in its radiance the light left so far.
 #include "inputs/accel/ray.glsl"
 #include "inputs/tracing/visit_attenuate.glsl"
 #include "accel.glsl"

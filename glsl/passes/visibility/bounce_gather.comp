@@ -1,5 +1,5 @@
 #version 430
-// What the probes get back from what their rays met, summed; and the weights of all their directions.   [own]
+// Light that the probes get back along their rays, summed; and the weights of all their directions.   [own]
 // No rays: this runs whenever the lights change.
 layout(local_size_x = 64) in;         // and a row of groups for each class
 uniform usamplerBuffer hit_data;      // passes/visibility/hits.comp

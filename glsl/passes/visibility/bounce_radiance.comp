@@ -7,6 +7,7 @@
 #include "inputs/accel/visit_any.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
 uniform usamplerBuffer mean_data;        // passes/visibility/spread.comp
 uniform samplerBuffer vertex_data;       // three texels a vertex: position and normal, each with a lift; tangent
 uniform samplerBuffer reflectance_data;  // of these vertices, if `own_reflectance`
@@ -19,7 +20,7 @@ uniform bool own_reflectance;
 uniform vec3 reflectance;                // else
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= vertex_count) return;
     vec4 x = texelFetch(vertex_data, 3 * (first_item + i));
     vec4 N = texelFetch(vertex_data, 3 * (first_item + i) + 1);

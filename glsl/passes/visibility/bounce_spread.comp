@@ -1,6 +1,7 @@
 #version 430
-// Mean radiance that comes back to the vertices, front and back: that of the probes about them.   [own]
+// Mean bounced radiance at the vertices, front and back, from the probes about them.   [own]
 layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
 uniform samplerBuffer sum_data;      // passes/visibility/bounce_gather.comp
 uniform usamplerBuffer row_data;     // of a vertex: first term, the one after the last
 uniform usamplerBuffer spread_data;  // terms: probe, weight as float
@@ -8,7 +9,7 @@ layout(std430) writeonly buffer Means { vec4 means[]; };  // of a vertex front a
 uniform int vertex_count;
 
 void main() {
-    int i = int(gl_GlobalInvocationID.x);
+    int i = item();
     if (i >= vertex_count) return;
     ivec2 row = ivec2(texelFetch(row_data, i).xy);
     vec4 front = vec4(0.0), back = front, from = front, from_back = front;

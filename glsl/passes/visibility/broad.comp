@@ -1,5 +1,5 @@
 #version 430
-// What the probes see of the broad light, in the parts of their surface frame: seen, and all there is.   [own]
+// The broad light at the probes, in the parts of their surface frame: the seen part, and the whole.   [own]
 // No rays: this runs whenever the lights change or turn. Twin: glcloth/twins/visibility.py broad_sums
 #include "trace/visibility.glsl"
 layout(local_size_x = 64) in;      // and a row of groups for each class
@@ -11,7 +11,7 @@ layout(std430) buffer Sums { uvec4 sums[]; };  // as in passes/visibility/mean.c
 uniform int first_probe[9];        // of each class, and the one after the last
 uniform int probe_count;
 uniform int group;                 // of the low band; the middle one follows
-uniform int top_number;            // where the top's sums lie among those of the Gaussians
+uniform int top_number;            // where the top's sums lie among the Gaussians'
 uniform int group_count;
 uniform int share;                 // how many directions of light_data each class has,
 uniform int direction_count;       // and how many of them are traced
@@ -25,7 +25,7 @@ void main() {
     int first = share * int(gl_WorkGroupID.y);
     vec4 low = vec4(0.0), low_all = low, middle = low, middle_all = low;  // front
     vec4 low_back = low, low_all_back = low, middle_back = low, middle_all_back = low;
-    vec4 top = low;  // front: what is seen, and all; back
+    vec4 top = low;  // front: the seen part, and the whole; back
     int d = 0;
     do {
         vec4 light = texelFetch(light_data, first + d);

@@ -1,6 +1,6 @@
 #version 430
-// As passes/visibility/trace.comp, and what each ray meets first: the nearest of the vertices about it, and its side.   [own]
-// One dispatch traces at most 32 directions, those of one word: loops may end silently after 65,535 iterations.
+// As passes/visibility/trace.comp, and the first hit of each ray: the nearest vertex about it, and its side.   [own]
+// One dispatch traces the 32 directions of one word at most: loops may end silently after 65,535 iterations.
 #include "inputs/accel/ray.glsl"
 #include "inputs/accel/visit_closest.glsl"
 #include "accel.glsl"
@@ -10,7 +10,7 @@ uniform isamplerBuffer corner_index;   // three a triangle, in the order that hi
 uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
 uniform samplerBuffer direction_data;  // toward the light
 uniform samplerBuffer vertex_data;     // three texels a vertex: position, normal, tangent
-layout(std430) buffer Bits { uint bits[]; };  // word by word: those of all probes, one after the other
+layout(std430) buffer Bits { uint bits[]; };  // of each word all probes, one after the other
 layout(std430) writeonly buffer Hits { uint hits[]; };  // direction by direction: twice the vertex, 1 more for its back
 uniform int first_probe[9];            // of each class, and the one after the last
 uniform int probe_count;

@@ -1,10 +1,10 @@
 #version 430
-// What the probes see, summed with the weights of four Gaussians; and the weights.   [own]
+// Visibility from the probes, summed with the weights of four Gaussians; and the weights.   [own]
 // No rays: this runs whenever the lights change or turn. Twin: glcloth/twins/visibility.py mean_visibility
 #include "trace/visibility.glsl"
 layout(local_size_x = 64) in;       // and a row of groups for each class, a layer for each four Gaussians
 uniform usamplerBuffer bit_data;    // passes/visibility/trace.comp
-uniform samplerBuffer entry_data;   // what counts for the four: D_j, j; their G_kj
+uniform samplerBuffer entry_data;   // directions that count for the four: D_j, j; their G_kj
 uniform samplerBuffer probe_data;
 uniform isamplerBuffer range_data;  // of a class and four: first entry, the one after the last
 layout(std430) writeonly buffer Sums { uvec4 sums[]; };  // packed_sums of a probe, front and back

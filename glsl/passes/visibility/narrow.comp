@@ -1,5 +1,5 @@
 #version 430
-// Rays into four narrow Gaussians from the covered pixels whose triangles' corners do not agree on what they see of them.   [own]
+// Rays into four narrow Gaussians from the covered pixels whose triangles' corners disagree on them.   [own]
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 #include "inputs/accel/ray.glsl"

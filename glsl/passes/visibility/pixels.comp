@@ -1,5 +1,5 @@
 #version 430
-// Interpolates what the vertices see to the covered pixels, for the side that is seen.   [own]
+// Interpolates the vertices' visibility to the covered pixels, for the side that is seen.   [own]
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;

@@ -1,5 +1,5 @@
 #version 430
-// Means at the vertices: what the probes about them see over what there is to see, four Gaussians at a time.   [own]
+// Means at the vertices: the seen part over the whole, of the probes about them, four Gaussians at a time.   [own]
 #include "trace/visibility.glsl"
 layout(local_size_x = 64) in;        // and a row of groups for each four Gaussians
 uniform usamplerBuffer sum_data;     // passes/visibility/mean.comp

@@ -31,7 +31,7 @@ void main() {
         }
         if ((s & 3) == 0) four = vec4(0.0);
         four += V * vec4(equal(ivec4(s & 3), ivec4(0, 1, 2, 3)));
-        // Whole texels, and what the last one has.
+        // Store whole texels, and the last one as it is.
         if ((s & 3) == 3 || s + 1 == sun_count) imageStore(seen, ivec3(pixel, first_layer + (s >> 2)), four);
     } while (++s < sun_count);
 }

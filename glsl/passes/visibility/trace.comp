@@ -1,13 +1,13 @@
 #version 430
 // Which of their class's directions of the world the probes see: a bit each, for both sides of the sheet.   [own]
-// One dispatch traces at most 32 directions, those of one word: loops may end silently after 65,535 iterations.
+// One dispatch traces the 32 directions of one word at most: loops may end silently after 65,535 iterations.
 #include "inputs/accel/ray.glsl"
 #include "inputs/accel/visit_any.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;          // and a row of groups for each class
 uniform samplerBuffer probe_data;      // two texels: position, offset of the front; N, offset of the back
 uniform samplerBuffer direction_data;  // toward the light
-layout(std430) buffer Bits { uint bits[]; };  // word by word: those of all probes, one after the other
+layout(std430) buffer Bits { uint bits[]; };  // of each word all probes, one after the other
 uniform int first_probe[9];            // of each class, and the one after the last
 uniform int probe_count;
 uniform int class_directions;          // how many directions each class has

@@ -14,7 +14,7 @@ void main() {
     vec4 before = textureLod(shown, gl_FragCoord.xy / vec2(textureSize(drawn, 0)), 0.0);
     color *= gain;
     if (mode == 2) {
-        // What stands about the cloth has added something as well.
+        // The objects have added something as well.
         bool covered = texelFetch(frame_N, pixel, 0).w != 0.0 || color.a > 0.0;
         color = covered ? vec4(color.rgb + max(1.0 - color.a, 0.0) * before.rgb, 1.0) : vec4(0.0);
     }

@@ -1,5 +1,5 @@
 #version 430
-// Copies a traced picture for the window: what has no sample yet shows the picture before, in whatever size that one is.
+// Copies a traced picture for the window: pixels without a sample show the picture before, of whatever size that is.
 layout(std430) readonly buffer Picture { vec4 picture[]; };  // sum / samples in all; samples added
 uniform sampler2D shown;
 uniform ivec2 size;
