@@ -14,6 +14,7 @@ class SceneOptions:
     """What to render; an option that is not given keeps the scene's value."""
 
     fabric: Annotated[str | None, Parameter(help="Built-in fabric, a .toml file or a draft (.wif).")] = None
+    threads: Annotated[bool | None, Parameter(help="Threads where one comes near, of a fabric with a weave (direct, reference).")] = None
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
     mesh: Annotated[str | None, Parameter(help="Built-in mesh or a file (.obj .ply .glb .gltf).")] = None
     objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, matt, in its own colours; repeatable.")] = None

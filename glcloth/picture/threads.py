@@ -44,7 +44,7 @@ class Threads:
         """Take a frame; cheap where nothing changed, and where none of its pixels can show threads."""
         self.shown = False
         mesh, scene = buffers.mesh, frame.scene
-        if fabric.weave is None or mesh.uv is None:
+        if not scene.threads or fabric.weave is None or mesh.uv is None:
             return
         self._far = far_footprint(fabric)
         if least_footprint(frame, buffers) >= self._far:

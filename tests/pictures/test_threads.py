@@ -39,7 +39,7 @@ def camera(theta_deg, phi_deg, side=0.02, lengths=40.0):
     return Camera(tuple(lengths * side * toward), (0.0, 0.0, 0.0), (0.0, 1.0, 0.1), float(fov))
 
 
-LOOK = {"size": (320, 320), "shadows": "off", "background": False}
+LOOK = {"threads": True, "size": (320, 320), "shadows": "off", "background": False}
 
 
 @pytest.mark.parametrize("name", ["linen_heavy", "denim_raw", "duchesse_satin", "silk_shot", "houndstooth"])
@@ -68,7 +68,7 @@ def test_wandering_yarns_keep_the_mean(renderer):
 def test_far_cloth_is_the_same_to_the_bit(renderer):
     fabric = load_fabric("linen_heavy")
     for changes in ({}, {"adaptive": True}):
-        look = {"size": (160, 120), "shadows": "off", "camera": Camera((0.0, 2.0, 6.0)), **changes}
+        look = {"threads": True, "size": (160, 120), "shadows": "off", "camera": Camera((0.0, 2.0, 6.0)), **changes}
         far = renderer.render(fabric=fabric.changed(weave=None), **look)
         assert np.array_equal(renderer.render(fabric=fabric, **look), far)
         assert not renderer.stage.cloths[0].threads.shown
@@ -155,3 +155,11 @@ def test_the_side_that_turns_to_the_light_is_brighter(renderer, axis, light):
     inside = maps.hole[np.ix_(rows, columns)] == 0.0
     difference = (sides[0] - sides[1])[inside]
     assert np.corrcoef(difference, -slope[inside].clip(*np.quantile(slope, (0.1, 0.9))))[0, 1] > 0.3
+
+
+def test_threads_are_shown_where_they_are_asked_for(renderer):
+    fabric = even("denim_raw")
+    look = {**LOOK, "mesh": patch(fabric), "camera": camera(30, 20), "size": (64, 64)}
+    far, near = (renderer.render(fabric=fabric, **{**look, "threads": wanted}) for wanted in (False, True))
+    assert np.array_equal(far, renderer.render(fabric=fabric.changed(weave=None), **look))
+    assert np.abs(near - far).mean() > 0.05 * far.mean()
