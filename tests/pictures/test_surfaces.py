@@ -134,3 +134,14 @@ def test_a_cloth_alone_is_the_same_to_the_bit_after_two(renderer, meshes):
     before = picture(renderer, [first], shadows="full")
     picture(renderer, [first, second], shadows="full")
     assert np.array_equal(picture(renderer, [first], shadows="full"), before)
+
+
+def test_what_a_cloth_sees_is_looked_at_anew_when_another_moves(renderer):
+    """The bits of a scene that began there: a copy of the first cloth has seen nothing yet."""
+    left = [cloth(moved(load_mesh("sphere"), (-0.4, -0.2, 0.0)), LINEN) for _ in range(2)]
+    away, near = (cloth(moved(load_mesh("sphere"), place), SATIN) for place in ((3.0, 0.6, -2.0), (0.7, 0.6, 0.0)))
+    changes = {"shadows": "full", "bounce": False}
+    before = picture(renderer, [left[0], away], **changes)
+    after = picture(renderer, [left[0], near], **changes)
+    assert np.abs(after - before).max() > 0.01
+    assert np.array_equal(after, picture(renderer, [left[1], near], **changes))
