@@ -153,8 +153,11 @@ def test_the_side_that_turns_to_the_light_is_brighter(renderer, axis, light):
     rows, columns = ((np.arange(n) * m) // n for n, m in zip(sides[0].shape, maps.height.shape, strict=True))
     slope = np.gradient(maps.height, axis=axis)[np.ix_(rows, columns)]
     inside = maps.hole[np.ix_(rows, columns)] == 0.0
-    difference = (sides[0] - sides[1])[inside]
-    assert np.corrcoef(difference, -slope[inside].clip(*np.quantile(slope, (0.1, 0.9))))[0, 1] > 0.3
+    # Along this light the warp (or the weft) does not tilt: there the roll across the yarn alone tells the sides apart.
+    rolls = inside & (maps.share[axis][np.ix_(rows, columns)] > 0.0)
+    for where in (inside, rolls):
+        difference = (sides[0] - sides[1])[where]
+        assert np.corrcoef(difference, -slope[where].clip(*np.quantile(slope, (0.1, 0.9))))[0, 1] > 0.3
 
 
 def test_threads_are_shown_where_they_are_asked_for(renderer):
