@@ -18,7 +18,7 @@ test: $(VENV)/.tests
 	$(RUN)ruff check .
 	$(RUN)ruff format --check .
 	$(RUN)mypy
-	$(RUN)pytest -m "not slow"
+	LP_NUM_THREADS=1 $(RUN)pytest -m "not slow" -n logical --dist loadgroup
 
 tools:
 	@if ! { command -v Xvfb && command -v xdotool; } >/dev/null; then \

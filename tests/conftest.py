@@ -20,6 +20,8 @@ SKIPS = (
     ("one node is for narrow Gaussians", "nothing: that case does not exist", True),
 )
 
+LONG = ("test_direct.py", "test_surfaces.py", "test_shadows.py")
+
 
 def skipped(config) -> Counter:
     """{(reason, remedy, allowed in CI): how many} of the tests that were skipped."""
@@ -29,8 +31,20 @@ def skipped(config) -> Counter:
     return Counter((reason, skip[1], skip[2]) for reason, skip in zip(reasons, known, strict=True))
 
 
+def pytest_collection_modifyitems(items):
+    """Several processes share the tests (`--dist loadgroup`) by files, whose tests share programs and windows.
+
+    A file named here is longer than its share: its tests go to different processes.
+    """
+    for item in items:
+        name = f"{item.path.name}::{item.originalname}" if item.path.name in LONG else str(item.path)
+        item.add_marker(pytest.mark.xdist_group(name))
+
+
 def pytest_sessionfinish(session):
     """In CI a test that is skipped is a test that fails, but for reasons on the list."""
+    if hasattr(session.config, "workerinput"):
+        return  # the process that shares the tests out counts
     if os.environ.get("CI") == "true" and any(not allowed for _, _, allowed in skipped(session.config)):
         session.exitstatus = session.exitstatus or pytest.ExitCode.TESTS_FAILED
 

@@ -110,7 +110,7 @@ class Frames:
     def _cloth(self, scene: Scene, mesh: Mesh | str | None, fabric: Fabric | str | None) -> Cloth:
         """The cloth of a scene, or one with another mesh or fabric."""
         mesh = mesh if isinstance(mesh, Mesh) else self._loaded(load_mesh, mesh or scene.mesh)
-        return Cloth(mesh, load_fabric(scene.fabric if fabric is None else fabric))
+        return Cloth(mesh, self.fabric(scene.fabric if fabric is None else fabric))
 
     def _lights(self, scene: Scene, environment: Environment) -> Lights:
         """The lights of a scene, turned with its environment."""

@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 
 from ..errors import InputError
-from ..fabric import Fabric, load_fabric
+from ..fabric import Fabric
 from ..geometry.camera import Camera, sample_offsets
 from ..gpu.context import create_context
 from ..gpu.gbuffer import GBuffer
@@ -294,7 +294,7 @@ class Renderer:
             or not np.allclose(np.linalg.norm(omega_o, axis=-1), 1.0, atol=0.01)
         ):
             raise InputError(f"omega_o: shape {omega_o.shape}, expected [N, 3] finite directions of length 1")
-        fabric, lights = load_fabric(fabric), as_lights(lights)
+        fabric, lights = self._frames.fabric(fabric), as_lights(lights)
         chosen, how = self.method(method), Settings(quality=quality, **settings)
         buffers = self.stage.cloths[0].scene_buffers
         if parts:

@@ -320,16 +320,35 @@ def test_an_axis_passes_over_a_pole(renderer, name, pole):
         assert jumps(values) < limit, sharpness
 
 
-@pytest.mark.parametrize(("quality", "names"), [("normal", ("linen", "silk_crepe_de_chine")), ("high", ("velvet",))])
-def test_dragging_the_sharpness_crosses_no_threshold(renderer, quality, names):
+def near_thresholds(fabric, quality, sharpness):
+    """Those of a sequence of sharpnesses [N] within three steps of where the schedule takes other nodes, in runs."""
+    bought = schedule.SCHEDULES[quality]
+    lobes = schedule.pooled_lobes(fabric)
+    pooled, broad = schedule.pooled_share(bought, sharpness, lobes), schedule.broad_share(sharpness)
+    used = [
+        (tuple(level for level, _ in schedule.levels(bought, s, p, lobes)), p > 0, p < 1, b > 0, b < 1)
+        for s, p, b in zip(sharpness, pooled, broad, strict=True)
+    ]
+    changes = [i for i in range(1, len(used)) if used[i] != used[i - 1]]
+    near = np.unique([np.clip(range(i - 4, i + 4), 0, len(used) - 1) for i in changes])
+    return [sharpness[run] for run in np.split(near, np.flatnonzero(np.diff(near) > 1) + 1)]
+
+
+@pytest.mark.parametrize(
+    ("quality", "name"), [("normal", "linen"), ("normal", "silk_crepe_de_chine"), ("high", "velvet")]
+)
+def test_dragging_the_sharpness_crosses_no_threshold(renderer, quality, name):
     omega_o, lights = directions_up(40), sky()
     g = lights.gaussians
-    for name in names:
+    fabric = load_fabric(name)
+    runs = near_thresholds(fabric, quality, np.geomspace(0.5, 900, 500))
+    assert len(runs) >= 4
+    for run in runs:
         values = []
-        for sharpness in np.geomspace(0.5, 900, 500):
+        for sharpness in run:
             dragged = SphericalGaussians(g.axis, np.concatenate([[sharpness], g.sharpness[1:]]), g.amplitude)
-            values.append(luminance(renderer.radiance(name, omega_o, dragged, quality=quality)))
-        assert jumps(values) < 0.005, name
+            values.append(luminance(renderer.radiance(fabric, omega_o, dragged, quality=quality)))
+        assert jumps(values) < 0.005, run
 
 
 @pytest.mark.parametrize("field", ["gamma_s_deg", "gamma_v_deg", "k_d", "sigma_deg"])
@@ -475,3 +494,9 @@ def test_the_adaptive_rate_of_more_pixels_than_one_dispatch_takes(renderer, monk
     expected = renderer.render(**scene, adaptive=True)
     monkeypatch.setattr(programs(renderer.ctx), "most_groups", 2)
     assert np.array_equal(renderer.render(**scene, adaptive=True), expected)
+
+
+def test_a_fabric_by_name_is_read_once(renderer):
+    """A loop over frames that names its fabric makes the tables of `direct` once."""
+    first, second = (renderer.prepare(fabric="velvet", size=(16, 12)) for _ in range(2))
+    assert first.fabric is second.fabric
