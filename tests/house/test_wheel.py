@@ -21,14 +21,18 @@ ROOT = Path(__file__).resolve().parents[2]
 def packages(tmp_path_factory):
     """(wheel, sdist) of this tree."""
     folder = tmp_path_factory.mktemp("dist")
-    subprocess.run([sys.executable, "-m", "hatchling", "build", "-d", folder], cwd=ROOT, check=True, capture_output=True)
+    subprocess.run(
+        [sys.executable, "-m", "hatchling", "build", "-d", folder], cwd=ROOT, check=True, capture_output=True
+    )
     return next(folder.glob("*.whl")), next(folder.glob("*.tar.gz"))
 
 
 def test_an_index_would_take_the_packages(packages, tmp_path):
     """twine finds no fault; the licence and the mark of types are inside; the sdist makes the same wheel."""
     wheel, sdist = packages
-    done = subprocess.run([sys.executable, "-m", "twine", "check", "--strict", *packages], capture_output=True, text=True)
+    done = subprocess.run(
+        [sys.executable, "-m", "twine", "check", "--strict", *packages], capture_output=True, text=True
+    )
     assert done.returncode == 0, done.stdout
     inside = zipfile.ZipFile(wheel).namelist()
     assert "glcloth/py.typed" in inside and any(name.endswith("licenses/LICENSE") for name in inside)
