@@ -5,6 +5,9 @@ python examples/02_weight.py [out/02_weight.png]
 
 import sys
 
+from common import needs, output
+
+needs("matplotlib", "plots")
 import matplotlib
 
 matplotlib.use("Agg")
@@ -15,7 +18,7 @@ import glcloth
 from glcloth.twins.cloth import terms
 from glcloth.twins.frame import tangent_axes
 
-path = sys.argv[1] if len(sys.argv) > 1 else "out/02_weight.png"
+path = output(sys.argv[1] if len(sys.argv) > 1 else "out/02_weight.png")
 fabric = glcloth.load_fabric("linen")
 yarns = [
     dict(eta=y.eta, k_d=y.k_d, gamma_s=np.radians(y.gamma_s_deg), gamma_v=np.radians(y.gamma_v_deg))
@@ -43,3 +46,4 @@ for row, tilt_deg in enumerate((0.0, 25.0, -25.0)):
         axis.set_axis_off()
 figure.colorbar(shown, ax=axes, shrink=0.6, label="W")
 figure.savefig(path, dpi=100)
+print(path)

@@ -7,11 +7,12 @@ python examples/04_linen_silk_satin.py [out/04_linen_silk_satin.png [WxH [ENVIRO
 import sys
 
 import numpy as np
+from common import output
 
 import glcloth
 from glcloth.metrics import compare, difference
 
-path = sys.argv[1] if len(sys.argv) > 1 else "out/04_linen_silk_satin.png"
+path = output(sys.argv[1] if len(sys.argv) > 1 else "out/04_linen_silk_satin.png")
 size = sys.argv[2] if len(sys.argv) > 2 else "320x240"
 environment = sys.argv[3] if len(sys.argv) > 3 else "studio"
 rows = []
@@ -23,3 +24,4 @@ with glcloth.Renderer() as renderer:
         print(fabric, {name: round(value, 5) for name, value in compare(paper, reference).items()})
         rows.append(np.hstack([paper, reference, difference(paper, reference, scale)]))
 glcloth.write_image(path, np.vstack(rows))
+print(path)

@@ -5,6 +5,9 @@ python examples/08_ranks.py [silk_crepe_de_chine] [out/08_ranks.png]  (figure 9:
 
 import sys
 
+from common import needs, output
+
+needs("matplotlib", "plots")
 import matplotlib
 
 matplotlib.use("Agg")
@@ -13,7 +16,7 @@ import matplotlib.pyplot as plt
 import glcloth
 
 name = sys.argv[1] if len(sys.argv) > 1 else "silk_crepe_de_chine"
-path = sys.argv[2] if len(sys.argv) > 2 else "out/08_ranks.png"
+path = output(sys.argv[2] if len(sys.argv) > 2 else "out/08_ranks.png")
 facts = glcloth.tables_report(name, glcloth.tables_for(name))
 
 figure, axis = plt.subplots(figsize=(6, 4), layout="constrained")
@@ -27,3 +30,4 @@ axis.set_title(f"{facts['fabric']}, yarn 1")
 axis.set_ylim(0)
 axis.legend()
 figure.savefig(path, dpi=100)
+print(path)

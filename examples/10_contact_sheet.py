@@ -7,12 +7,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from common import output
 
 import glcloth
 from glcloth.color import luminance
 from glcloth.metrics import difference
 
-path = sys.argv[1] if len(sys.argv) > 1 else "out/10_contact_sheet.png"
+path = output(sys.argv[1] if len(sys.argv) > 1 else "out/10_contact_sheet.png")
 size = sys.argv[2] if len(sys.argv) > 2 else "200x150"
 environments = sys.argv[3:] or ["studio", "sky"]
 fabrics = ("linen", "silk_crepe_de_chine", "silk_shot", "satin_charmeuse_front", "satin_charmeuse_back", "velvet")
@@ -31,3 +32,4 @@ with glcloth.Renderer() as renderer:
             row.append(np.hstack([direct, reference, difference(direct, reference, 8.0)]) * scale)
         rows.append(np.hstack(row))
 glcloth.write_image(path, np.vstack(rows))
+print(path)

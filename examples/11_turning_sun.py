@@ -1,12 +1,13 @@
 """A curtain in the wind under a turning sun: its folds hide the sun from each other and light each other.
 
-python examples/11_turning_sun.py [out/11_turning_sun.mp4 [WxH [FRAMES]]]     (or out/frames/%04d.png)
+python examples/11_turning_sun.py [out/11_turning_sun/%04d.png [WxH [FRAMES]]]     (or out/11_turning_sun.mp4)
 """
 
 import sys
 from pathlib import Path
 
 import numpy as np
+from common import needs, output
 
 import glcloth
 from glcloth import progress
@@ -15,7 +16,9 @@ from glcloth.light.environment import load_environment
 from glcloth.light.fit import fit_lights
 from glcloth.picture import sequence as animate
 
-path = sys.argv[1] if len(sys.argv) > 1 else "out/11_turning_sun.mp4"
+path = str(output(sys.argv[1] if len(sys.argv) > 1 else "out/11_turning_sun/%04d.png"))
+if path.endswith(".mp4"):
+    needs("av", "video")
 size = sys.argv[2] if len(sys.argv) > 2 else "320x240"
 frames = int(sys.argv[3]) if len(sys.argv) > 3 else 75
 rate = 25
@@ -36,7 +39,6 @@ def pictures(renderer):
     curtain.release()
 
 
-Path(path).parent.mkdir(parents=True, exist_ok=True)
 with glcloth.Renderer() as renderer:
     look = 0.0, "standard"
     film = pictures(renderer)

@@ -5,6 +5,9 @@ python examples/12_yarn_frame.py [out/yarn_frame.png] [out/weave_weights.png]
 
 import sys
 
+from common import needs, output
+
+needs("matplotlib", "plots")
 import matplotlib
 
 matplotlib.use("Agg")
@@ -120,8 +123,8 @@ def draw_weights(areas, shares, fabric, light_deg):
 
 
 def main():
-    first = sys.argv[1] if len(sys.argv) > 1 else "out/yarn_frame.png"
-    second = sys.argv[2] if len(sys.argv) > 2 else "out/weave_weights.png"
+    first = output(sys.argv[1] if len(sys.argv) > 1 else "out/yarn_frame.png")
+    second = output(sys.argv[2] if len(sys.argv) > 2 else "out/weave_weights.png")
     figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), layout="constrained")
     draw_side(axes[0])
     draw_cylinder(axes[1])
@@ -131,6 +134,7 @@ def main():
     figure, axes = plt.subplots(1, 2, figsize=(10, 3.8), layout="constrained")
     draw_weights(*axes, glcloth.load_fabric("linen"), light_deg=-30)
     figure.savefig(second, dpi=100)
+    print(first, second)
 
 
 main()

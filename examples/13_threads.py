@@ -4,16 +4,16 @@ python examples/13_threads.py [out/13_threads.png] [FABRIC ...]  (under a minute
 """
 
 import sys
-from pathlib import Path
 
 import numpy as np
+from common import output
 
 import glcloth
 from glcloth.geometry.mesh import build_mesh
+from glcloth.progress import track
 
 WIDTH = 0.04  # metres of cloth across a picture
-path = Path(sys.argv[1] if len(sys.argv) > 1 else "out/13_threads.png")
-path.parent.mkdir(parents=True, exist_ok=True)
+path = output(sys.argv[1] if len(sys.argv) > 1 else "out/13_threads.png")
 
 side = 0.5
 corners = np.array([[-side, 0, side], [side, 0, side], [side, 0, -side], [-side, 0, -side]])
@@ -27,7 +27,7 @@ with glcloth.Renderer() as renderer:
         renderer.render(
             fabric=name, mesh=cloth, camera=camera, env="studio", threads=True, spp=4, size=(480, 480), shadows="off"
         )
-        for name in sys.argv[2:] or ("houndstooth", "denim_raw", "linen_heavy")
+        for name in track(sys.argv[2:] or ("houndstooth", "denim_raw", "linen_heavy"), "fabrics")
     ]
 glcloth.write_image(path, np.concatenate(pictures, axis=1), exposure=0.3, view_transform="filmic")
 print(path)

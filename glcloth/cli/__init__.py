@@ -14,6 +14,7 @@ from ..progress import hear_ctrl_c, say, was_stopped
 from .light import env, tables
 from .measure import bench, diff, info
 from .render import render, view
+from .samples import samples
 from .sequence import animate, drape
 from .weave import fabrics, weave
 
@@ -24,7 +25,7 @@ GLCLOTH_CACHE names the folder for fits and tables made on this machine (`glclot
 """
 app = App(name="glcloth", help=ABOUT, version=__version__, help_format="plaintext", suppress_keyboard_interrupt=False)
 
-for _command in (render, animate, view, tables, env, weave, fabrics, drape, diff, info, bench):
+for _command in (render, animate, view, tables, env, weave, fabrics, samples, drape, diff, info, bench):
     app.command(_command)
 
 
