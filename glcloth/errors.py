@@ -1,8 +1,33 @@
 """The errors a user may meet; the doors turn them into one line and an exit code."""
 
+MAX_LINE = 300  # characters of a message
+
+
+def printable(text: object) -> str:
+    """`text` as one line without control characters: what files hold must not steer a terminal."""
+    return "".join(c if c.isprintable() else " " if c.isspace() else "?" for c in str(text))
+
+
+def one_line(text: object) -> str:
+    """`text` as one printable line of at most 300 characters; a longer one loses its middle: place and remedy stay."""
+    line = printable(text).strip()
+    return line if len(line) <= MAX_LINE else f"{line[:190]} ... {line[195 - MAX_LINE :]}"
+
+
+def short(value: object) -> str:
+    """`value` as errors quote it: at most 60 characters."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # a whole number of thousands of digits, or a very deep list
+        text = f"a very large {type(value).__name__}"
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
 
 class InputError(ValueError):
     """Wrong input; one line with the fault, its place, the expected value and the remedy. Exit code 2."""
+
+    def __init__(self, message: object = ""):
+        super().__init__(one_line(" ".join(str(message).split())))
 
 
 class NoOpenGLError(RuntimeError):
@@ -11,12 +36,3 @@ class NoOpenGLError(RuntimeError):
 
 class ShaderError(RuntimeError):
     """A GLSL file is missing, includes itself, or does not compile; the message names file and line."""
-
-
-MAX_LINE = 300  # characters of an error
-
-
-def one_line(text: str) -> str:
-    """`text` as one printable line of at most 300 characters, for errors that quote what a file holds."""
-    line = "".join(c if c.isprintable() else "?" for c in " ".join(str(text).split()))
-    return line if len(line) <= MAX_LINE else f"{line[: MAX_LINE - 3]}..."

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, Field, model_validator
 
-from .errors import InputError
+from .errors import InputError, short
 from .fields import Value, about
 from .files import PACKAGE, atomic_write, read_toml
 from .weave.model import Weave
@@ -170,7 +170,7 @@ class Transmission(Value):
                     raise ValueError("has both openness and rho, expected one of them (rho = 1 - openness); delete one")
                 openness = data.pop("openness")
                 if not isinstance(openness, int | float) or not 0.0 <= openness <= 1.0:
-                    raise ValueError(f"openness = {openness!r}, expected 0 to 1")
+                    raise ValueError(f"openness = {short(openness)}, expected 0 to 1")
                 data["rho"] = 1.0 - openness
             if isinstance(data.get("tau"), int | float):
                 data["tau"] = (data["tau"],) * 3

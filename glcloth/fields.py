@@ -8,10 +8,12 @@ import types
 from dataclasses import dataclass
 from typing import Annotated, Any, Literal, Self, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
-from .errors import InputError
+from .errors import InputError, short
+
+SMALLEST, LARGEST = 1e-15, 1e15  # sizes of numbers that a shader may square
 
 
 def about(
@@ -43,6 +45,15 @@ class Value(BaseModel):
     """A frozen value that is edited by making another one. Its title names it in errors."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
+
+    @model_validator(mode="after")
+    def _in_single_precision(self) -> Self:
+        """Shaders square numbers in single precision."""
+        for name, value in zip(type(self).model_fields, self._fields(), strict=True):
+            for number in value if isinstance(value, tuple) else (value,):
+                if isinstance(number, float) and number and not SMALLEST <= abs(number) <= LARGEST:
+                    raise ValueError(f"{name} = {number:g}: expected 0 or a size from {SMALLEST:g} to {LARGEST:g}")
+        return self
 
     @classmethod
     def parse(cls, data: dict, where: str = "") -> Self:
@@ -209,10 +220,9 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
         text = f"{where}: {problem['ctx']['error']}" if where else str(problem["ctx"]["error"])
     elif kind == "literal_error":
         expected = problem["ctx"]["expected"].replace("'", "")
-        text = f"{where} = {value!r}: expected {expected}"
+        text = f"{where} = {short(value)}: expected {expected}"
     else:
-        shown = value if len(value := repr(value)) <= 60 else f"{value[:57]}..."
-        text = f"{where} = {shown}: {problem['msg'][0].lower()}{problem['msg'][1:]}"
+        text = f"{where} = {short(value)}: {problem['msg'][0].lower()}{problem['msg'][1:]}"
     more = sum(not where.startswith(place) for place in {_place(p, model)[0] for p in problems})
     return text + (f" (and {more} more)" if more else "")
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
+import stat
 import tempfile
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 import platformdirs
 
@@ -27,7 +31,7 @@ def cache_dir() -> Path:
 def check_writable(path: str | Path) -> Path:
     """Return `path` if a file can be made there, so that a long job fails before it starts.
 
-    Raises InputError when the folder is missing or not writable, or when `path` is a folder.
+    Raises InputError when the folder is missing or not writable, or when `path` is a folder, a pipe or a device.
     """
     path = Path(path)
     if path.is_dir():
@@ -36,15 +40,15 @@ def check_writable(path: str | Path) -> Path:
         raise InputError(
             f"{path}: folder {path.parent} does not exist; make it first: mkdir -p {shlex.quote(str(path.parent))}"
         )
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is a pipe or a device, expected a file name; choose another output path")
     if path.exists() and not os.access(path, os.W_OK):
         raise InputError(f"{path}: cannot be written, permission denied; choose another output path")
     try:
         # Asking for permission is not enough: some folders say yes and then refuse.
-        handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", dir=path.parent)
+        _temporary(path).unlink()
     except OSError as error:
         raise InputError(f"{path}: no file can be made there ({error.strerror}); choose another output path") from None
-    os.close(handle)
-    os.unlink(name)
     return path
 
 
@@ -52,34 +56,116 @@ def check_writable(path: str | Path) -> Path:
 def atomic_write(path: str | Path) -> Iterator[Path]:
     """Yield a temporary path beside `path`; rename it to `path` on success, delete it on any error or Ctrl-C.
 
+    A file that is written over keeps its permissions and its owner; a symbolic link stays, and its target is written.
     The temporary name keeps the suffix, because image and mesh libraries choose the format by it.
     """
-    path = check_writable(path)
-    handle, name = tempfile.mkstemp(prefix=f".{path.stem}.", suffix=path.suffix, dir=path.parent)
-    os.close(handle)
-    temporary = Path(name)
+    given, path = path, Path(os.path.realpath(path))
+    try:
+        check_writable(path)
+        temporary = _temporary(path)
+    except OSError as error:
+        raise InputError(f"{given}: cannot be written ({error.strerror}); choose another output path") from None
     try:
         yield temporary
-        # mkstemp makes private files; the result should have the user's ordinary permissions.
-        mask = os.umask(0)
-        os.umask(mask)
-        temporary.chmod(0o666 & ~mask)
+        _take_after(temporary, path)
         os.replace(temporary, path)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror or error}); choose another output path") from None
+        raise InputError(
+            f"{given}: cannot be written ({error.strerror or error}); choose another output path"
+        ) from None
     finally:
         temporary.unlink(missing_ok=True)
+
+
+MARK = ".glcloth-"  # in the names of temporary files
+STALE = 3600.0  # seconds after which a temporary file that nobody has written to belongs to a run that was killed
+_swept: set[Path] = set()
+
+
+def _temporary(path: Path) -> Path:
+    """A new empty file beside `path`; what killed runs of this user left there goes first."""
+    if path.parent not in _swept:
+        _swept.add(path.parent)
+        _sweep(path.parent)
+    handle, name = tempfile.mkstemp(prefix=f".{path.stem[:40]}{MARK}", suffix=path.suffix, dir=path.parent)
+    os.close(handle)
+    return Path(name)
+
+
+def _sweep(folder: Path) -> None:
+    """Delete our temporary files in a folder that are an hour old."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name.startswith(".") and MARK in entry.name and entry.is_file(follow_symlinks=False):
+                found = entry.stat(follow_symlinks=False)
+                if found.st_uid == os.geteuid() and time.time() - found.st_mtime > STALE:
+                    with suppress(OSError):
+                        os.unlink(entry.path)
+
+
+def _take_after(temporary: Path, path: Path) -> None:
+    """Give a new file the permissions and the owner of the one that it replaces, or a user's ordinary permissions."""
+    if path.exists():
+        old = path.stat()
+        if (old.st_uid, old.st_gid) != (os.geteuid(), os.getegid()):
+            with suppress(OSError):
+                os.chown(temporary, old.st_uid, old.st_gid)
+        temporary.chmod(stat.S_IMODE(old.st_mode) & 0o777)
+        return
+    # mkstemp makes private files.
+    mask = os.umask(0)
+    os.umask(mask)
+    temporary.chmod(0o666 & ~mask)
+
+
+# -- text ----------------------------------------------------------------------------------------------------------------
+
+MOST_TEXT = 4 << 20  # bytes of a TOML or JSON file
+DEEPEST = 16  # tables and lists within each other, and parts of a dotted key
+_TOO_DEEP = re.compile(rf"(?:\[\s*){{{DEEPEST}}}|(?:(?:[\w-]+|\"[^\"\n]*\"|'[^'\n]*')[ \t]*\.[ \t]*){{{DEEPEST}}}")
+
+
+def read_text(path: str | Path, expected: str, most: int = MOST_TEXT) -> str:
+    """The text of a file of at most `most` bytes; `expected` names in errors what it should be. Raises InputError."""
+    path = Path(path)
+    try:
+        if path.exists() and not path.is_file():
+            raise InputError(f"{path}: is a folder, a pipe or a device; expected {expected}")
+        with open(path, "rb") as file:
+            data = file.read(most + 1)
+        if len(data) > most:
+            raise InputError(f"{path}: is larger than {most / 1e6:.0f} MB, more than is read; expected {expected}")
+        return data.decode("utf-8")
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; expected {expected}") from None
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read as a text file ({error.strerror}); expected {expected}") from None
+    except ValueError as error:  # no UTF-8, or a name that no file can have
+        raise InputError(f"{path}: cannot be read as a text file ({error}); expected {expected}") from None
 
 
 def read_toml(path: str | Path, expected: str) -> dict:
     """The content of a TOML file; `expected` names in errors what it should be. Raises InputError."""
     import tomllib
 
+    text = read_text(path, expected)
+    if _TOO_DEEP.search(text):  # a dotted key takes memory as the square of its parts
+        raise InputError(f"{path}: more than {DEEPEST} tables or lists within each other; expected {expected}")
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file; expected {expected}") from None
-    except (OSError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: cannot be read as a text file ({error}); expected {expected}") from None
-    except tomllib.TOMLDecodeError as error:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise InputError(f"{path}: tables or lists are too deep within each other; expected {expected}") from None
+    except ValueError as error:  # also a whole number of thousands of digits
         raise InputError(f"{path}: not TOML: {error}") from None
+
+
+def read_json(text: str, where: str, expected: str) -> Any:
+    """The value of a JSON text that a file holds. Raises InputError."""
+    import json
+
+    try:
+        return json.loads(text)
+    except RecursionError:
+        raise InputError(f"{where}: lists are too deep within each other; expected {expected}") from None
+    except (TypeError, ValueError) as error:  # also a whole number of thousands of digits
+        raise InputError(f"{where}: not valid JSON: {error}; expected {expected}") from None

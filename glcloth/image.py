@@ -21,7 +21,7 @@ import numpy as np
 
 from .color import srgb_decode, view
 from .errors import InputError
-from .files import atomic_write, check_writable
+from .files import MOST_TEXT, atomic_write, check_writable, read_json
 
 READABLE = (".exr", ".hdr", ".png", ".jpg", ".jpeg")
 WRITABLE = (".exr", ".png")
@@ -111,10 +111,10 @@ def read_settings(path: str | Path) -> dict | None:
         return None
     if text is None:
         return None
-    try:
-        settings = json.loads(text)
-    except (TypeError, ValueError):
-        settings = None
+    expected = "settings as glcloth writes them; render the picture again"
+    if not isinstance(text, str) or len(text) > MOST_TEXT:
+        raise InputError(f"{path}: its '{SETTINGS_KEY}' entry is no text, or too long; expected {expected}")
+    settings = read_json(text, f"{path}: its '{SETTINGS_KEY}' entry", expected)
     if not isinstance(settings, dict):
         raise InputError(f"{path}: its '{SETTINGS_KEY}' entry is not a JSON object; render the picture again")
     return settings

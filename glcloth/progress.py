@@ -8,6 +8,8 @@ import time
 from collections.abc import Iterable, Iterator, Sized
 from typing import TypeVar
 
+from .errors import one_line, printable
+
 T = TypeVar("T")
 _stopped = False
 BAR_AFTER = 1.0  # seconds of work after which a terminal shows a bar
@@ -78,13 +80,13 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
             if terminal:
                 if bar is None and now - begin > BAR_AFTER:
                     bar = _bar()
-                    task = bar.add_task(what, total=total)
+                    task = bar.add_task(printable(what), total=total)
                     bar.start()
                 if bar is not None:
                     bar.update(task, completed=done)
             elif now - said > SAY_EVERY:
                 said = now
-                print(f"glcloth: {what}: {done} of {total if total is not None else '?'}", file=sys.stderr, flush=True)
+                say(f"glcloth: {what}: {done} of {total if total is not None else '?'}")
             yield item
     finally:
         if bar is not None:
@@ -96,13 +98,20 @@ def _bar():
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
+    columns = TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     return Progress(*columns, console=Console(stderr=True), transient=True)
 
 
 def say(line: str) -> None:
-    """Print one line of information on stderr (stdout is kept for results)."""
-    print(line, file=sys.stderr, flush=True)
+    """Print one line on stderr, printable and at most 300 characters long; all errors and warnings go through here."""
+    print(one_line(line), file=sys.stderr, flush=True)
+
+
+def show(lines: Iterable[str]) -> None:
+    """Print a result for people on stdout, line by line; names in it are made printable."""
+    for line in lines:
+        encoding = sys.stdout.encoding or "utf-8"
+        print(printable(line).encode(encoding, "replace").decode(encoding), flush=True)
 
 
 _warned: set[str] = set()
@@ -112,4 +121,4 @@ def warn(line: str) -> None:
     """Print one warning on stderr; the same line is said once per process."""
     if line not in _warned:
         _warned.add(line)
-        print(f"glcloth: warning: {line}", file=sys.stderr, flush=True)
+        say(f"glcloth: warning: {line}")

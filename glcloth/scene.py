@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import ConfigDict, Field, field_validator, model_serializer, model_validator
 
 from . import __version__
-from .errors import InputError
+from .errors import InputError, short
 from .fabric import Fabric
 from .fields import Value, about, entries
 from .files import PACKAGE, atomic_write, read_toml
@@ -29,6 +29,7 @@ Kind = Literal["cloth", "curtain"]
 MethodName = Literal["direct", "paper", "reference"]  # of cloth under an environment
 Quality = Literal["draft", "normal", "high"]
 ShadowMode = Literal["off", "sun", "full"]
+FARTHEST = 1e9  # m; farther away nothing is seen in single precision
 Vec3 = tuple[float, float, float]
 Share = Annotated[float, Field(ge=0, le=1)]
 # Defaults of a curtain's scene: it is traced in a room, before a sky.
@@ -220,10 +221,13 @@ class Scene(Value):
         if isinstance(value, str):
             parts = value.lower().split("x")
             if len(parts) != 2 or not all(p.isdigit() for p in parts):
-                raise ValueError(f"expected WIDTHxHEIGHT such as 640x480, not {value!r}")
+                raise ValueError(f"expected WIDTHxHEIGHT such as 640x480, not {short(value)}")
             value = tuple(int(p) for p in parts)
+        whole = isinstance(value, list | tuple) and all(isinstance(v, int) and not isinstance(v, bool) for v in value)
+        if not whole or len(value) != 2:
+            raise ValueError(f"expected two whole numbers such as [640, 480], not {short(value)}")
         if any(not 1 <= v <= 16384 for v in value):
-            raise ValueError(f"expected 1 to 16384 pixels a side, not {value[0]}x{value[1]}")
+            raise ValueError(f"expected 1 to 16384 pixels a side, not {short(value[0])}x{short(value[1])}")
         if value[0] * value[1] > 2**26:
             raise ValueError(f"expected at most 67 million pixels, not {value[0]}x{value[1]}")
         return value
@@ -240,10 +244,10 @@ class Scene(Value):
             return "auto" if value else "off"
         try:
             height = value if value in ("off", "auto") else float(value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             height = math.nan
-        if height not in ("off", "auto") and not math.isfinite(height):
-            raise ValueError(f"expected a height in metres, auto or off, not {value!r}")
+        if height not in ("off", "auto") and not abs(height) <= FARTHEST:
+            raise ValueError(f"expected a height in metres, auto or off, not {short(value)}")
         return height
 
     @field_validator("ground_color", mode="before")
@@ -253,10 +257,10 @@ class Scene(Value):
             value = value.split(",")
         try:
             color = tuple(float(v) for v in value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             color = ()
         if len(color) != 3 or not all(0.0 <= v <= 1.0 for v in color):
-            said = ",".join(map(str, value)) if isinstance(value, list | tuple) else value
+            said = ",".join(map(short, value)).replace("'", "") if isinstance(value, list | tuple) else short(value)
             raise ValueError(f"expected R,G,B from 0 to 1 such as 0.3,0.3,0.3, not {said}")
         return color
 
@@ -265,10 +269,11 @@ class Scene(Value):
     def _lobes(cls, value):
         if isinstance(value, str) and value != "auto":
             if not value.isdigit():
-                raise ValueError(f'expected 1 to 64 or "auto", not {value!r}')
+                raise ValueError(f'expected 1 to 64 or "auto", not {short(value)}')
             value = int(value)
-        if value != "auto" and not 1 <= value <= 64:
-            raise ValueError(f'expected 1 to 64 or "auto", not {value}')
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if value != "auto" and not (number and 1 <= value <= 64):
+            raise ValueError(f'expected 1 to 64 or "auto", not {short(value)}')
         return value
 
     @property

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import re
 import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from cyclopts import App, CycloptsError
 
@@ -43,22 +47,38 @@ def _with_heights(arguments: list[str]) -> list[str]:
     return [*out, "--ground=auto"] if waiting else out
 
 
+@contextmanager
+def _quiet_libraries() -> Iterator[None]:
+    """Libraries' warnings and logs stay away from the terminal; GLCLOTH_DEBUG=1 shows them."""
+    if os.environ.get("GLCLOTH_DEBUG"):
+        yield
+        return
+    nobody, logging.lastResort = logging.lastResort, None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    finally:
+        logging.lastResort = nobody
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run one command. Exit 0 done, 1 a fault of ours, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C."""
     arguments = _with_heights(sys.argv[1:] if arguments is None else arguments)
     hear_ctrl_c()
     try:
-        app(arguments, exit_on_error=False, print_error=False)
+        with _quiet_libraries():
+            app(arguments, exit_on_error=False, print_error=False)
         return
     except (Exception, KeyboardInterrupt) as error:
         code, line = _told(error)
-        if code == 1 and os.environ.get("GLCLOTH_DEBUG") and not isinstance(error, ShaderError):
+        if code == 1 and os.environ.get("GLCLOTH_DEBUG"):
             raise
     # A module that was being imported may have swallowed Ctrl-C and failed of the consequences.
     if was_stopped() or code == 130:
         code, line = 130, "stopped; nothing was left half-written"
     if line:
-        say(f"glcloth: {' '.join(line.split())}" if code == 2 else f"glcloth: {line}")
+        say(f"glcloth: {' '.join(line.split())}")
     sys.exit(code)
 
 
@@ -69,12 +89,17 @@ def _told(error: BaseException) -> tuple[int, str]:
     if isinstance(error, NoOpenGLError):
         return 3, str(error)
     if isinstance(error, ShaderError):
-        return 1, f"a shader does not compile on this driver: {error}"
+        lines = str(error).splitlines()
+        first = next((line for line in lines if "error" in line.lower()), lines[0] if lines else "")
+        more = f" (and {len(lines) - 1} lines more: GLCLOTH_DEBUG=1 shows them)" if len(lines) > 1 else ""
+        return 1, f"a shader does not compile on this driver: {first}{more}"
     if isinstance(error, MemoryError):
         return 2, "out of memory; choose a smaller --size, --grid or environment"
     if isinstance(error, BrokenPipeError):
         return 0, ""
     if isinstance(error, KeyboardInterrupt):
         return 130, ""
+    if isinstance(error, OSError) and error.filename is not None:
+        return 2, f"{error.filename}: {error.strerror}; check the name and its permissions"
     what = " ".join(f"{type(error).__name__}: {error}".split())
     return 1, f"a fault of glcloth, please report it: {what}; GLCLOTH_DEBUG=1 shows where"

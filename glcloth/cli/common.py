@@ -18,9 +18,10 @@ def output_option(text: str) -> Parameter:
     return Parameter(name=["--output", "-o"], help=text)
 
 
-def tell(as_json: bool, result: dict, line: str) -> None:
-    """Print a result: one JSON object on stdout, or a line for people on stderr."""
+def tell(as_json: bool, result: dict, *lines: str) -> None:
+    """Print a result: one JSON object on stdout, or lines for people on stderr."""
     if as_json:
         print(json.dumps(result), flush=True)
     else:
-        say(line)
+        for line in lines:
+            say(line)

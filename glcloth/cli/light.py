@@ -43,7 +43,7 @@ def env(
     picture = target.with_suffix(".png")
     write_image(picture, fit_picture(environment, report.lights))
     result = {"file": str(target), "picture": str(picture), **report.as_dict()}
-    tell(json, result, f"{report}\n{target}, {picture}")
+    tell(json, result, *report.splitlines(), f"{target}, {picture}")
 
 
 def tables(

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from cyclopts import App, Parameter
 
 from ..errors import InputError
+from ..progress import show
 from .common import Device, Json, output_option, tell
 from .options import SceneOptions, scene_of
 
@@ -49,7 +50,7 @@ def diff(
         values = {k: (v if v != float("inf") else None) for k, v in values.items()}
         tell(True, {"a": str(a), "b": str(b), **values, **({"file": str(output)} if output else {})}, "")
     else:
-        print("  ".join(f"{name} {value:.6g}" for name, value in values.items()), flush=True)
+        show(["  ".join(f"{name} {value:.6g}" for name, value in values.items())])
 
 
 def info(*, device: Device = None, json: Json = False) -> None:
@@ -65,7 +66,7 @@ def info(*, device: Device = None, json: Json = False) -> None:
             value = ", ".join(f"{k} {v}" for k, v in value.items())
         elif isinstance(value, list):
             value = "; ".join(str(v) for v in value)
-        print(f"{key:12} {value}")
+        show([f"{key:12} {value}"])
 
 
 bench = App(name="bench", help="Measure on the built-in scenes.", help_format="plaintext")
@@ -86,7 +87,7 @@ def bench_cloth(
     from ..bench import cloth as measure
 
     result = measure.cloth(scene, [m.strip() for m in methods.split(",")], frames, device)
-    tell(json, result, measure.cloth_table(result))
+    tell(json, result, *measure.cloth_table(result).splitlines())
 
 
 @bench.command(name="tables")
@@ -106,7 +107,7 @@ def bench_tables(
     from ..methods.paper.tables import bench as measure
 
     result, lines = measure(fabrics, grid, contribution)
-    tell(json, result, lines)
+    tell(json, result, *lines.splitlines())
 
 
 @bench.command(name="curtain")

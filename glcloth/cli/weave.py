@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from ..errors import InputError
 from ..files import check_writable
-from ..progress import say
+from ..progress import say, show
 from .common import Device, Json, output_option, tell
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def weave(
     if json:
         tell(True, facts, "")
     else:
-        print("\n".join([fabric.name, *lines_of(facts)]), flush=True)
+        show([fabric.name, *lines_of(facts)])
         say(", ".join(facts[key] for key in ("file", "picture") if key in facts))
 
 
@@ -120,6 +120,6 @@ def fabrics(
         return
     for row in rows:
         sett = f"{row['ends_per_cm']:5.4g} x {row['picks_per_cm']:<5.4g}" if "weave" in row else " " * 13
-        print(f"{row['name']:24} {row.get('weave', ''):14} {sett} {row['gap']:6.1%}  {row['title']}", flush=True)
+        show([f"{row['name']:24} {row.get('weave', ''):14} {sett} {row['gap']:6.1%}  {row['title']}"])
     if output is not None:
         say(str(output))

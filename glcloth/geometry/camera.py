@@ -9,6 +9,8 @@ from pyrr import Matrix44, vector
 
 from ..errors import InputError
 
+FARTHEST = 1e9  # of world units; single precision squares it
+
 
 @dataclass(frozen=True)
 class Camera:
@@ -30,8 +32,8 @@ class Camera:
     def __post_init__(self):
         for name in ("eye", "target", "up"):
             value = np.asarray(getattr(self, name), float)
-            if value.shape != (3,) or not np.isfinite(value).all():
-                raise InputError(f"camera {name} = {getattr(self, name)}: expected three finite numbers")
+            if value.shape != (3,) or not (abs(value) <= FARTHEST).all():
+                raise InputError(f"camera {name} = {getattr(self, name)}: expected three numbers, each at most 1e9")
             object.__setattr__(self, name, tuple(float(v) for v in value))
         if not 1.0 <= self.fov_deg <= 170.0:
             raise InputError(f"camera fov_deg = {self.fov_deg}: expected 1 to 170 degrees")

@@ -182,7 +182,8 @@ def read_obj_and_mtl(path: Path, grey: float) -> tuple[ObjData, np.ndarray]:
     try:
         text = path.read_text(encoding="utf-8", errors="replace")
         data = read_obj(text, str(path))
-        libraries = [line.split(maxsplit=1)[1].strip() for line in text.splitlines() if line.startswith("mtllib ")]
+        named = [line.partition("mtllib ")[2].strip() for line in text.splitlines() if line.startswith("mtllib ")]
+        libraries = [name for name in named if name]
         colors: dict[str, tuple[float, float, float]] = {}
         for name in libraries:
             library = path.parent / name

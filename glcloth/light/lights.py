@@ -8,6 +8,10 @@ import numpy as np
 
 from ..errors import InputError
 
+# Beyond these, squares and sums leave single precision.
+SHARPEST = 1e8
+BRIGHTEST = 1e12
+
 
 def _frozen(array, dtype=np.float64) -> np.ndarray:
     array = np.array(array, dtype)
@@ -33,7 +37,7 @@ class SphericalGaussians:
     sharpness : [K] 2 / sigma_k^2, >= 0
     amplitude : [K, 3] linear Rec. 709 radiance at the axis
 
-    Raises InputError on wrong shapes, non-finite numbers or negative sharpness.
+    Raises InputError on wrong shapes, amplitudes above 1e12 and a sharpness that is not from 0 to 1e8.
     """
 
     axis: np.ndarray
@@ -49,8 +53,11 @@ class SphericalGaussians:
                 f"spherical Gaussians: axis {axis.shape}, sharpness {sharpness.shape}, amplitude {amplitude.shape}, "
                 "expected [K, 3], [K], [K, 3] with one K"
             )
-        if not (np.isfinite(sharpness).all() and np.isfinite(amplitude).all()) or (sharpness < 0).any():
-            raise InputError("spherical Gaussians: sharpness and amplitude must be finite and sharpness >= 0")
+        if not ((sharpness >= 0) & (sharpness <= SHARPEST)).all() or not (abs(amplitude) <= BRIGHTEST).all():
+            raise InputError(
+                f"spherical Gaussians: expected a sharpness from 0 to {SHARPEST:.0e} and amplitudes of at most "
+                f"{BRIGHTEST:.0e}; give a sharper light as a sun, and less light"
+            )
         object.__setattr__(self, "axis", _frozen(_units("axis", axis)))
         object.__setattr__(self, "sharpness", _frozen(sharpness))
         object.__setattr__(self, "amplitude", _frozen(amplitude))
@@ -86,8 +93,8 @@ class Suns:
         irradiance = np.asarray(self.irradiance, float).reshape(-1, 3)
         if len(direction) != len(irradiance):
             raise InputError(f"suns: {len(direction)} directions but {len(irradiance)} irradiances, expected as many")
-        if not np.isfinite(irradiance).all():
-            raise InputError("suns: irradiance must be finite")
+        if not (abs(irradiance) <= BRIGHTEST).all():
+            raise InputError(f"suns: expected irradiances of at most {BRIGHTEST:.0e}; give less light")
         object.__setattr__(self, "direction", _frozen(_units("direction", direction)))
         object.__setattr__(self, "irradiance", _frozen(irradiance))
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import json
-import tomllib
 from pathlib import Path
 
 import numpy as np
 import tomli_w
 
-from ..errors import InputError
-from ..files import atomic_write
+from ..errors import InputError, short
+from ..files import atomic_write, read_json, read_text, read_toml
 from .lights import Lights, SphericalGaussians, Suns, as_lights
 
 FORMAT = "glcloth lights 1"
@@ -51,15 +50,11 @@ def load_lights(path: str | Path) -> Lights:
     path = Path(path)
     if path.suffix.lower() not in (".json", ".toml"):
         raise InputError(f"{path}: cannot read lights from {path.suffix or 'no suffix'}, expected .json or .toml")
-    try:
-        text = path.read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError) as error:
-        reason = getattr(error, "strerror", None) or "not text"
-        raise InputError(f"{path}: cannot be read ({reason}), expected a file of lights; check the name") from None
-    try:
-        data = json.loads(text) if path.suffix.lower() == ".json" else tomllib.loads(text)
-    except (json.JSONDecodeError, tomllib.TOMLDecodeError) as error:
-        raise InputError(f"{path}: is not valid {path.suffix[1:].upper()} ({error}); write it again") from None
+    expected = "a file of lights"
+    if path.suffix.lower() == ".json":
+        data = read_json(read_text(path, expected), str(path), expected)
+    else:
+        data = read_toml(path, expected)
     if not isinstance(data, dict) or data.get("format") != FORMAT:
         raise InputError(f'{path}: holds no lights, expected format = "{FORMAT}"; make it with: glcloth env MAP')
     gaussians, suns = _table(path, data, "gaussian"), _table(path, data, "sun")
@@ -89,10 +84,10 @@ def _column(path: Path, rows: list[dict], key: str, field: str, shape: tuple) ->
     for number, row in enumerate(rows, 1):
         try:
             value = np.array(row[field], float)
-        except (KeyError, TypeError, ValueError):
+        except (KeyError, TypeError, ValueError, OverflowError):
             value = None
         if value is None or value.shape != shape or not np.all(np.isfinite(value)):
             expected = "3 finite numbers" if shape else "a finite number"
-            raise InputError(f"{path}: {key} {number}: {field} = {row.get(field)}, expected {expected}")
+            raise InputError(f"{path}: {key} {number}: {field} = {short(row.get(field))}, expected {expected}")
         result[number - 1] = value
     return result

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from pydantic import BeforeValidator, ConfigDict, Field, field_serializer, field_validator, model_validator
 
-from ..errors import InputError
+from ..errors import InputError, short
 from ..fields import Value, about
 
 if TYPE_CHECKING:
@@ -260,4 +260,4 @@ def _draft(value: Any) -> str | Draft:
         return value
     if isinstance(value, dict):
         return draft_of(value)
-    raise InputError(f"{value!r}, expected a named weave, a WIF file or a table with the drawdown")
+    raise InputError(f"{short(value)}, expected a named weave, a WIF file or a table with the drawdown")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..errors import InputError, ShaderError
+from ..errors import InputError, ShaderError, one_line
 from .clock import Clock
 
 MOST = 5  # lines that are shown
@@ -23,9 +23,9 @@ class Messages:
 
     def error(self, error: Exception | str) -> None:
         """Show an error; of a shader only the lines that do not compile, without a driver's warnings and headings."""
-        text = str(error)
+        text = one_line(error)
         if isinstance(error, ShaderError):
-            lines = text.splitlines()
+            lines = str(error).splitlines()
             text = "\n".join([line for line in lines if "error" in line.lower()] or lines)
         self._add("error", text)
 

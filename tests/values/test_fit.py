@@ -280,9 +280,9 @@ def test_wrong_lights_files_are_refused(tmp_path):
         "{}": "holds no lights",
         text.replace(
             '"sharpness": 6.0', '"sharpness": "sharp"'
-        ): "gaussian 1: sharpness = sharp, expected a finite number",
+        ): "gaussian 1: sharpness = 'sharp', expected a finite number",
         text.replace('"sharpness": 40.0', '"sharpness": NaN'): "gaussian 2: sharpness = nan",
-        text.replace('"sharpness": 40.0', '"sharpness": -1'): "sharpness and amplitude must be",
+        text.replace('"sharpness": 40.0', '"sharpness": -1'): "expected a sharpness from 0",
         text.replace('"axis"', '"axes"', 1): "gaussian 1: axis = None, expected 3",
         text.replace('"sun": []', '"sun": 3'): "sun: expected a list",
     }
