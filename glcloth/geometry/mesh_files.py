@@ -12,11 +12,12 @@ import trimesh
 
 from ..color import srgb_decode
 from ..errors import InputError
-from ..files import PACKAGE, atomic_write
+from ..files import PACKAGE, atomic_write, read_bytes
 from ..progress import warn
 from . import shapes
-from .mesh import Mesh, build_mesh
-from .obj import read_obj, read_obj_and_mtl
+from .mesh import Mesh, assembled, build_mesh
+from .obj import read_obj
+from .raw import MOST_BYTES, Material, RawMesh, joined
 
 MESHES = PACKAGE / "meshes"
 BUILTIN_MESHES = ("drape", "sphere", "plane", "cylinder")
@@ -73,24 +74,31 @@ def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | N
         raise InputError(
             f"{path}: unknown suffix `{path.suffix}`, expected {', '.join(MESH_SUFFIXES)}; convert it first"
         )
-    if not path.is_file():
+    raw = read_mesh(path, colored)
+    mesh, kept = assembled(raw, path.stem, str(path))
+    return mesh, reflectances(raw)[kept] if colored else None
+
+
+def read_mesh(path: Path, colored: bool = False) -> RawMesh:
+    """Return what a mesh file holds as it stands in it, with its materials if asked for. Raises InputError."""
+    if not path.exists():
         raise InputError(f"{path}: no such file; check the path, or use a built-in mesh ({', '.join(BUILTIN_MESHES)})")
-    try:
-        blob = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
+    blob = read_bytes(path, MOST_BYTES)
     if not blob.strip():
         raise InputError(f"{path}: the file is empty; export the mesh again")
-    if suffix == ".obj" and colored:
-        data, reflectances = read_obj_and_mtl(path, GREY)
-        colors = reflectances[data.material]
-    elif suffix == ".obj":
-        data, colors = read_obj(blob.decode("utf-8", errors="replace"), str(path)), None
-    if suffix == ".obj":
-        arrays = data.positions, data.triangles, data.uv, data.normals
-    else:
-        *arrays, colors = _read_with_trimesh(path, colored)
-    return build_mesh(path.stem, *arrays, where=str(path)), colors
+    if path.suffix.lower() == ".obj":
+        return read_obj(blob, path, colored)
+    return _read_with_trimesh(path, colored)
+
+
+def reflectances(raw: RawMesh) -> np.ndarray:
+    """The diffuse reflectance [T, 3] float32, linear, of triangles: their materials' colours, textures by their mean."""
+    if not raw.materials and raw.colors is None:
+        return np.full((len(raw.triangles), 3), GREY, np.float32)
+    rows = np.ones((len(raw.triangles), 3))
+    if raw.materials and raw.material_of is not None:
+        rows = np.array([material.color for material in raw.materials])[raw.material_of]
+    return (rows if raw.colors is None else rows * raw.colors).astype(np.float32)
 
 
 def load_view(name: str) -> dict | None:
@@ -100,7 +108,7 @@ def load_view(name: str) -> dict | None:
 
 def _builtin(name: str) -> Mesh:
     if name == "drape":
-        return build_mesh(name, *_read_with_trimesh(MESHES / "drape.ply")[:4], where=name)
+        return assembled(_read_with_trimesh(MESHES / "drape.ply"), name, name)[0]
     positions, triangles, uv, normals = getattr(shapes, name)()
     return build_mesh(name, positions, triangles, uv, normals)
 
@@ -126,9 +134,7 @@ def _stand() -> tuple[Mesh, np.ndarray]:
     return mesh, np.concatenate([np.tile(np.float32(color), (len(part[1]), 1)) for part, color in parts])
 
 
-def _read_with_trimesh(path: Path, colored: bool = False) -> tuple[np.ndarray | None, ...]:
-    """Return (positions, triangles, uv or None, normals or None, reflectances [T, 3] if asked for) of all geometries of a
-    file, in the world frame."""
+def _read_with_trimesh(path: Path, colored: bool = False) -> RawMesh:
     try:
         # trimesh warns of faults that it can mend (missing textures, say); others raise errors of any type.
         with warnings.catch_warnings():
@@ -141,27 +147,7 @@ def _read_with_trimesh(path: Path, colored: bool = False) -> tuple[np.ndarray | 
         reason = " ".join(str(error).split())[:100] or type(error).__name__
         kind = path.suffix.lower().lstrip(".")
         raise InputError(f"{path}: cannot be read as {kind} ({reason}); is it whole? export it again") from None
-    parts = [part for part in parts if part is not None]
-    if not parts:
-        raise InputError(f"{path}: holds no triangles; export it with its faces")
-    begins = np.cumsum([0] + [len(part[0]) for part in parts])
-    triangles = []
-    for (positions, faces, *_), begin in zip(parts, begins, strict=False):
-        if len(faces) and (faces.min() < 0 or faces.max() >= len(positions)):
-            raise InputError(
-                f"{path}: a face names vertex {faces.max()}, out of range, it has {len(positions)}; export it again"
-            )
-        triangles.append(faces + begin)
-
-    def joined(column: int, width: int) -> np.ndarray | None:
-        if all(part[column] is None for part in parts):
-            return None
-        return np.concatenate(
-            [np.full((len(part[0]), width), np.nan) if part[column] is None else part[column] for part in parts]
-        )
-
-    colors = np.concatenate([part[4] for part in parts]).astype(np.float32) if colored else None
-    return np.concatenate([part[0] for part in parts]), np.concatenate(triangles), joined(2, 2), joined(3, 3), colors
+    return joined([part for part in parts if part is not None], str(path))
 
 
 def _ply_has_vertex_uv(path: Path) -> bool:
@@ -174,7 +160,7 @@ def _ply_has_vertex_uv(path: Path) -> bool:
     return any(pair <= names for pair in ({b"s", b"t"}, {b"u", b"v"}, {b"texture_u", b"texture_v"}))
 
 
-def _part(scene: trimesh.Scene, node: str, colored: bool) -> tuple | None:
+def _part(scene: trimesh.Scene, node: str, colored: bool) -> RawMesh | None:
     """Return one node's arrays in the world frame, or None if it is no surface."""
     world_from_part, name = scene.graph[node]
     geometry = scene.geometry[name]
@@ -195,7 +181,11 @@ def _part(scene: trimesh.Scene, node: str, colored: bool) -> tuple | None:
     # A mirroring transform turns triangles inside out; swapping two corners turns them back.
     if np.linalg.det(linear) < 0:
         faces = faces[:, ::-1]
-    return positions, faces, uv, normals, _reflectances(geometry) if colored else None
+    material = getattr(getattr(geometry.visual, "material", None), "name", None) or ""
+    names = tuple(dict.fromkeys(n for n in (str(material), name, str(node)) if n))
+    which = np.zeros(len(faces), np.int32)
+    materials = (Material(str(material)),)
+    return RawMesh(positions, faces, uv, normals, (names,), which, materials, which, _reflectances(geometry))
 
 
 def _reflectances(geometry: trimesh.Trimesh) -> np.ndarray:
