@@ -345,7 +345,9 @@ def _corner_tangents(
         x = _unit((e_1 * d_2[:, 1:] - e_2 * d_1[:, 1:]) * np.sign(determinant)[:, None])
     side = np.where(np.sum(N[triangles] * S[:, None, :], axis=2) < 0, -1.0, 1.0)
     x = np.where(usable[:, None], x, 0.0)
-    return x[:, None, :] * faces.angles[..., None], np.where(usable, np.sign(np.nan_to_num(determinant)), 0.0)[:, None] * side
+    return x[:, None, :] * faces.angles[..., None], np.where(usable, np.sign(np.nan_to_num(determinant)), 0.0)[
+        :, None
+    ] * side
 
 
 def _axis_order(faces: _Faces, N: np.ndarray) -> Sequence[int]:

@@ -16,7 +16,9 @@ MISSING = 0.5  # of one that no file defines
 MOST_BYTES = 1 << 24
 
 
-def read_materials(obj: Path, names: Sequence[str], libraries: Sequence[str], grey: float | None) -> tuple[Material, ...]:
+def read_materials(
+    obj: Path, names: Sequence[str], libraries: Sequence[str], grey: float | None
+) -> tuple[Material, ...]:
     """The materials of these names from the material files that an OBJ names, `mtllib a.mtl b.mtl`; the first definition
     of a name counts.
 

@@ -132,7 +132,7 @@ def _one_by_one(lines: Lines, which: np.ndarray, kind: str) -> np.ndarray:
             row = [float(word) for word in words]
         except ValueError:
             raise lines.fault(line, "expected numbers; mend or re-export it", whole=True) from None
-        rows.append((row + [0.0, 0.0])[:3])
+        rows.append([*row, 0.0, 0.0][:3])
     return np.array(rows, float).ravel()
 
 
@@ -161,7 +161,7 @@ def _faces(lines: Lines, kinds: dict[str, np.ndarray], where: str) -> _Corners:
             corner = int(np.argmax(bad))
             line = int(line_of[corner])
             word = lines.words(line)[1 + corner - int(np.searchsorted(line_of, line))]
-            said = (word.split("/") + ["", ""])[column]
+            said = [*word.split("/"), "", ""][column]
             raise lines.fault(
                 line,
                 f"face corner `{word}`: {kind} index {said} is out of range, {len(kinds[kind])} defined; "
@@ -207,9 +207,7 @@ def _corner(lines: Lines, line: int, word: str) -> tuple[int, int, int]:
         try:
             found[slot] = max(min(int(part), 1 << 40), -(1 << 40)) or ZERO
         except ValueError:
-            raise lines.fault(
-                line, f"face corner `{word}`: `{part}` is no whole number; re-export the file"
-            ) from None
+            raise lines.fault(line, f"face corner `{word}`: `{part}` is no whole number; re-export the file") from None
     return found[0], found[1], found[2]
 
 

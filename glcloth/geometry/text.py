@@ -110,7 +110,7 @@ class Words:
 
     def floats(self) -> np.ndarray:
         """The words as numbers; fewer where one of them is none."""
-        return _parsed(self.blob, np.float64)
+        return parsed(self.blob, np.float64)
 
     def slashes(self) -> tuple[np.ndarray, np.ndarray, bool]:
         """How many slashes each word has, how many that follow another, and whether any word begins or ends with one."""
@@ -126,10 +126,10 @@ class Words:
 
     def integers(self) -> np.ndarray:
         """The whole numbers between blanks and slashes; fewer where a word is none."""
-        return _parsed(self.blob.replace(b"/", b" "), np.int64)
+        return parsed(self.blob.replace(b"/", b" "), np.int64)
 
 
-def _parsed(blob: bytes, kind: type) -> np.ndarray:
+def parsed(blob: bytes, kind: type) -> np.ndarray:
     """Numbers of a text; an older NumPy stops with a warning where a newer one raises ValueError."""
     try:
         with warnings.catch_warnings():

@@ -13,9 +13,9 @@ from glcloth import progress
 from glcloth.errors import InputError
 from glcloth.geometry import mesh_files
 from glcloth.geometry.camera import Camera
+from glcloth.geometry.coincident import split_vertices
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view, save_mesh
-from glcloth.geometry.coincident import split_vertices
 from glcloth.geometry.shapes import cylinder, sphere
 
 SHARED = Path(os.environ.get("GLCLOTH_SHARED") or Path(__file__).resolve().parents[3] / "shared") / "assets" / "meshes"
