@@ -144,6 +144,48 @@ def read_text(path: str | Path, expected: str, most: int = MOST_TEXT) -> str:
         raise InputError(f"{path}: cannot be read as a text file ({error}); expected {expected}") from None
 
 
+def read_bytes(path: str | Path, most: int) -> bytes:
+    """The content of an ordinary file of at most `most` bytes; pipes and devices, which may never end, are refused.
+
+    Raises InputError.
+    """
+    path = Path(path)
+    if path.exists() and not path.is_file():
+        kind = "a folder" if path.is_dir() else "no ordinary file"
+        raise InputError(f"{path}: is {kind}, expected a file; give another path")
+    try:
+        size = path.stat().st_size
+        if size > most:
+            raise InputError(f"{path}: {size:,} bytes, at most {most:,} can be read; reduce it")
+        with open(path, "rb") as file:
+            return file.read(most + 1)
+    except FileNotFoundError:
+        raise InputError(f"{path}: no such file; check the path") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise InputError(f"{path}: cannot be read ({reason}); check its permissions") from None
+
+
+def beside(path: Path, name: str) -> Path | None:
+    """The file of a name, which another file gives, in that file's folder or below it; None where there is none.
+
+    Names may have been written on Windows: `\\` separates folders, capitals do not count if nothing else fits.
+    """
+    folder = path.parent.resolve()
+    try:
+        wanted = (folder / name.strip().replace("\\", "/")).resolve()
+        if wanted == folder or not wanted.is_relative_to(folder):
+            return None
+        if wanted.is_file():
+            return wanted
+        if wanted.parent.is_dir() and wanted.name:
+            fits = (file for file in sorted(wanted.parent.iterdir()) if file.name.lower() == wanted.name.lower())
+            return next((file for file in fits if file.is_file()), None)
+    except (OSError, ValueError, RuntimeError):  # a name that no file can have, a ring of links
+        pass
+    return None
+
+
 def read_toml(path: str | Path, expected: str) -> dict:
     """The content of a TOML file; `expected` names in errors what it should be. Raises InputError."""
     import tomllib

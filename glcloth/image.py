@@ -332,13 +332,15 @@ def _read_hdr(path: Path) -> np.ndarray:
 # PNG and JPEG -----------------------------------------------------------------------------------------------------
 
 
-def _with_pillow(path: Path, use):
+def _with_pillow(source: Path | bytes, use):
     from PIL import Image
+
+    path = source if isinstance(source, Path) else "a picture in the file"
 
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            with Image.open(path) as picture:
+            with Image.open(io.BytesIO(source) if isinstance(source, bytes) else source) as picture:
                 picture.load()
                 return use(picture)
     except Image.DecompressionBombError:
@@ -364,6 +366,11 @@ def _read_display(path: Path) -> np.ndarray:
 def _codes(picture) -> np.ndarray:
     alpha = picture.mode in ("RGBA", "LA", "PA", "RGBa", "La") or "transparency" in picture.info
     return np.asarray(picture.convert("RGBA" if alpha else "RGB"), np.float32) / 255.0
+
+
+def decode_codes(source: Path | bytes) -> np.ndarray:
+    """The code values [H, W, 3 or 4] in 0 to 1 of a PNG or JPEG file, or of its bytes. Raises InputError."""
+    return _with_pillow(source, _codes)
 
 
 def _png_bit_depth(path: Path) -> int:

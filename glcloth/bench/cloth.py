@@ -27,7 +27,7 @@ SWAY = 0.12  # mean edges
 STEP = 0.3  # radians, from pose to pose
 POSES = 4  # until all that is seen was seen in motion
 LIMITS = ("GL_MAX_TEXTURE_SIZE", "GL_MAX_3D_TEXTURE_SIZE", "GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS")
-PACKAGES = ("moderngl", "PyOpenGL", "numpy", "scipy", "trimesh", "OpenEXR", "OpenImageIO", "pillow", "cyclopts")
+PACKAGES = ("moderngl", "PyOpenGL", "numpy", "scipy", "OpenEXR", "OpenImageIO", "pillow", "cyclopts")
 
 
 def machine(device: int | None = None) -> dict:

@@ -15,8 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..files import PACKAGE, atomic_write
-from ..geometry.obj import read_obj_and_mtl
+from ..files import PACKAGE, atomic_write, read_bytes
+from ..geometry.obj import read_obj
+from ..geometry.raw import MOST_BYTES
 from .hanging import CurtainParameters, pleated_rail
 
 ROOM = PACKAGE / "scenes" / "room.obj"
@@ -56,11 +57,13 @@ def load_room(path: str | Path = ROOM) -> Room:
     path = Path(path)
     if not path.is_file():
         raise InputError(f"{path}: no such file; check the path, or leave it out for the built-in room")
-    data, reflectances = read_obj_and_mtl(path, 0.7)
+    data = read_obj(read_bytes(path, MOST_BYTES), path, colored=True, grey=0.7)
     positions = data.positions[data.triangles]
     if not np.isfinite(positions.astype(np.float32)).all():
         raise InputError(f"{path}: a vertex is not finite; mend the file")
-    return Room(positions.astype(np.float32), data.material, reflectances, data.materials)
+    reflectances = np.array([material.color for material in data.materials], np.float32)
+    names = tuple(material.name for material in data.materials)
+    return Room(positions.astype(np.float32), data.material_of, reflectances, names)
 
 
 Quad = tuple[str, np.ndarray]  # material, corners [4, 3] counter-clockwise seen from the side that faces the room

@@ -11,14 +11,17 @@ axis serves.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import InputError
-from .obj import split_vertices
+from .coincident import distinct, split_vertices
+from .raw import Names, RawMesh, check_counts
+from .winding import dropped, turned
 
-LARGEST = 1e9  # beyond it float32 leaves no digits for a cloth
+LARGEST = 1e7  # m; beyond it float64 leaves no digits for a thread
+FAR = 256.0  # radii from the origin, beyond which float32 leaves too few digits for the shape
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +30,9 @@ class Mesh:
 
     positions [V, 3] float32; triangles [T, 3] int32; normals [V, 3] float32 unit; uv [V, 2] float32 or None;
     tangents [V, 4] float32: xyz = yarn 1, unit and orthogonal to the normal, w = +-1: yarn 2 = w cross(N, xyz).
+    parts: the names of each part that the file tells apart, (material, group, object) as far as it has them;
+    part_of [T] int32: each triangle's part. origin: where (0, 0, 0) is in the file's space, m, other than there only for
+    a mesh that lies far from it.
     """
 
     name: str
@@ -35,6 +41,29 @@ class Mesh:
     normals: np.ndarray
     uv: np.ndarray | None
     tangents: np.ndarray
+    parts: tuple[Names, ...] = ()
+    part_of: np.ndarray | None = None
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @classmethod
+    def from_arrays(
+        cls, positions: np.ndarray, triangles: np.ndarray, uv: np.ndarray | None = None, *, name: str = "mesh"
+    ) -> Mesh:
+        """Return a mesh of arrays, with smooth normals and yarn frames, as `load_mesh` gives it for a file.
+
+        Parameters
+        ----------
+        positions : [V, 3] metres, +Y up
+        triangles : [T, 3] whole numbers, three vertices each; those without area, and all but the first of equal ones,
+            are left out
+        uv : [V, 2] texture coordinates: yarn 1 runs along growing u; None: along a projected world axis
+        name : what messages call it
+
+        Vertices keep their order; where mirrored and unmirrored UVs meet they are split, and the twins appended. Arrays
+        are copied. Raises InputError for other shapes and kinds, indices out of range, numbers that are not finite, and
+        where nothing has an area.
+        """
+        return build_mesh(name, *_as_arrays(name, positions, triangles, uv))
 
     def __post_init__(self):
         vertex_count = len(self.positions)
@@ -44,12 +73,13 @@ class Mesh:
             "normals": (vertex_count, 3),
             "uv": (vertex_count, 2),
             "tangents": (vertex_count, 4),
+            "part_of": (len(self.triangles),),
         }
         for field, shape in shapes_expected.items():
             value = getattr(self, field)
-            if value is None and field == "uv":
+            if value is None and field in ("uv", "part_of"):
                 continue
-            array = np.ascontiguousarray(value, np.int32 if field == "triangles" else np.float32)
+            array = np.ascontiguousarray(value, np.int32 if field in ("triangles", "part_of") else np.float32)
             if array.shape != shape:
                 raise ValueError(f"mesh {self.name}: {field} has shape {array.shape}, expected {shape}")
             array = array.copy() if array is value and array.flags.writeable else array
@@ -91,6 +121,28 @@ class Mesh:
         return float(np.linalg.norm(used - self.center, axis=1).max())
 
 
+def _as_arrays(name: str, positions, triangles, uv) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:
+    """Check kinds and shapes of what a caller gives."""
+    arrays = []
+    for what, value, width, kinds in (("positions", positions, 3, "iuf"), ("triangles", triangles, 3, "iu"),
+                                      ("uv", uv, 2, "iuf")):  # fmt: skip
+        if what == "uv" and value is None:
+            arrays.append(None)
+            continue
+        try:
+            array = np.array(value)
+        except ValueError:
+            array = np.zeros(0)
+        rows = len(positions) if what == "uv" else "N"
+        if array.ndim != 2 or array.shape[1] != width or (what == "uv" and len(array) != len(positions)):
+            raise InputError(f"mesh {name}: {what} of shape {array.shape}, expected [{rows}, {width}]")
+        if array.dtype.kind not in kinds:
+            expected = "whole numbers" if what == "triangles" else "numbers"
+            raise InputError(f"mesh {name}: {what} of {array.dtype}, expected {expected}")
+        arrays.append(array)
+    return arrays[0], arrays[1], arrays[2]
+
+
 def build_mesh(
     name: str,
     positions: np.ndarray,
@@ -104,48 +156,90 @@ def build_mesh(
     positions [V, 3], triangles [T, 3] int, uv [V, 2], normals [V, 3]. Missing normals are smooth over coincident
     vertices. Raises InputError (naming `where`) for no faces, indices out of range, and numbers that are not finite.
     """
-    positions, triangles = _checked(positions, triangles, where or f"mesh {name}")
-    N = _vertex_normals(positions, triangles, normals)
-    if uv is not None:
-        uv = np.asarray(uv, np.float64)
-        corner_tangent, corner_sign = _corner_tangents(positions, triangles, uv, N)
+    return assembled(RawMesh(positions, triangles, uv, normals), name, where or f"mesh {name}")[0]
+
+
+def assembled(raw: RawMesh, name: str, where: str) -> tuple[Mesh, np.ndarray]:
+    """Return a Mesh with frames from what a file holds, and which of its triangles [K] are in the mesh.
+
+    Triangles without area and copies of others are left out; those that lie the other way round than their neighbours,
+    or than the file's normals, are turned; a mesh far from the origin is moved to it. Raises InputError as `build_mesh`.
+    """
+    positions, triangles, origin = _checked(raw.positions, raw.triangles, where)
+    _, place = distinct(positions)
+    S = _area_vectors(positions, triangles)
+    kept = dropped(place, triangles, S)
+    if not len(kept):
+        raise InputError(f"{where}: every triangle has no area, there is nothing to see; mend the mesh")
+    if len(kept) < len(triangles):
+        triangles, S = triangles[kept], S[kept]
+    normals = None if raw.normals is None else np.asarray(raw.normals, np.float64)
+    over = turned(place, triangles, S, normals)
+    if over.any():
+        triangles = np.where(over[:, None], triangles[:, ::-1], triangles)
+        S = np.where(over[:, None], -S, S)
+    faces = _Faces(triangles, S, _corner_angles(positions, triangles))
+    N = _vertex_normals(positions, place, faces, normals)
+    rest = raw.parts if raw.part_of is not None else (), None if raw.part_of is None else raw.part_of[kept], origin
+    if raw.uv is not None:
+        uv = np.asarray(raw.uv, np.float64)
+        corner_tangent, corner_sign = _corner_tangents(positions, faces, uv, N)
         if corner_sign.any():
             triangles, sources, sign = _split_at_mirrors(triangles, corner_sign, len(positions))
             uv = np.nan_to_num(uv[sources], nan=0.0, posinf=0.0, neginf=0.0)
-            positions, N = positions[sources], N[sources]
-            return Mesh(name, positions, triangles, N, uv, _tangents(positions, triangles, N, uv, corner_tangent, sign))
-    tangents = np.column_stack([_fallback_tangents(N, _axis_order(positions, triangles, N)), np.ones(len(N))])
-    return Mesh(name, positions, triangles, N, None, tangents)
+            positions, N, place = positions[sources], N[sources], place[sources]
+            faces = replace(faces, triangles=triangles)
+            tangents = _tangents(place, faces, N, uv, corner_tangent, sign)
+            return Mesh(name, positions, triangles, N, uv, tangents, *rest), kept
+    tangents = np.column_stack([_fallback_tangents(N, _axis_order(faces, N)), np.ones(len(N))])
+    return Mesh(name, positions, triangles, N, None, tangents, *rest), kept
 
 
-def _checked(positions: np.ndarray, triangles: np.ndarray, where: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return positions rounded to float32 and triangles, or raise InputError."""
+def _checked(
+    positions: np.ndarray, triangles: np.ndarray, where: str
+) -> tuple[np.ndarray, np.ndarray, tuple[float, float, float]]:
+    """Return positions rounded to float32, triangles, and where their origin is; or raise InputError."""
     positions = np.asarray(positions, np.float64)
     triangles = np.asarray(triangles, np.int64)
     if len(triangles) == 0:
         raise InputError(f"{where}: holds no triangles; export it with its faces")
+    check_counts(where, len(positions), len(triangles))
     if triangles.min() < 0 or triangles.max() >= len(positions):
         worst = triangles.min() if triangles.min() < 0 else triangles.max()
         raise InputError(
             f"{where}: a face names vertex {worst}, out of range, {len(positions)} defined; export it again"
         )
-    with np.errstate(over="ignore", invalid="ignore"):
-        rounded = positions.astype(np.float32)
-    bad = np.flatnonzero(~np.isfinite(rounded).all(axis=1))
+    bad = np.flatnonzero(~(np.abs(positions) < 1e38).all(axis=1))  # beyond, float32 has no number
     if len(bad):
         raise InputError(
             f"{where}: vertex {bad[0]} is ({', '.join(f'{c:g}' for c in positions[bad[0]])}), expected finite numbers; "
             "mend the mesh"
         )
-    positions = rounded.astype(np.float64)
     largest = float(np.abs(positions).max())
     if largest > LARGEST:
         raise InputError(f"{where}: coordinates up to {largest:g}, expected at most {LARGEST:g}; rescale the mesh")
-    corners = positions[triangles]
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    if not areas.any():
-        raise InputError(f"{where}: every triangle has no area, there is nothing to see; mend the mesh")
-    return positions, triangles
+    origin = _origin(positions, triangles)
+    return (positions - origin).astype(np.float32).astype(np.float64), triangles, tuple(map(float, origin))
+
+
+def _origin(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """A point near the middle of a mesh that lies far from the origin, in round numbers; else the origin itself."""
+    used = positions[triangles.ravel()] if len(triangles) < len(positions) else positions
+    low, high = used.min(0), used.max(0)
+    middle, radius = (low + high) / 2, np.linalg.norm(high - low) / 2
+    if radius == 0 or np.linalg.norm(middle) <= FAR * radius:
+        return np.zeros(3)
+    unit = 2.0 ** np.floor(np.log2(radius))
+    return np.round(middle / unit) * unit
+
+
+@dataclass(frozen=True, eq=False)
+class _Faces:
+    """Triangles [T, 3], their normals scaled by their areas [T, 3], and their interior angles [T, 3] in radians."""
+
+    triangles: np.ndarray
+    area_vectors: np.ndarray
+    angles: np.ndarray
 
 
 def _split_at_mirrors(triangles: np.ndarray, corner_sign: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
@@ -160,16 +254,16 @@ def _split_at_mirrors(triangles: np.ndarray, corner_sign: np.ndarray, count: int
     return corner.reshape(-1, 3), sources, np.where(first < 0, 1, sign[first])
 
 
-def _tangents(positions, triangles, N, uv, corner_tangent, sign) -> np.ndarray:
+def _tangents(place, faces: _Faces, N, uv, corner_tangent, sign) -> np.ndarray:
     """Return tangents [V, 4] from those of the corners, alike at vertices with the same place, UVs, normal and sign."""
-    keys = np.column_stack([positions, uv, N, sign])
-    summed = _sum_at_coincident(keys, triangles.ravel(), corner_tangent.reshape(-1, 3))
+    _, group = distinct(np.column_stack([place, uv, N, sign]))
+    summed = _sums(group, faces.triangles, corner_tangent.reshape(-1, 3))
     x = summed - N * np.sum(N * summed, axis=1, keepdims=True)
     length = np.linalg.norm(x, axis=1, keepdims=True)
     lost = length[:, 0] < 1e-6
     x = x / np.where(lost[:, None], 1.0, length)
     if lost.any():
-        x[lost] = _fallback_tangents(N[lost], _axis_order(positions, triangles, N))
+        x[lost] = _fallback_tangents(N[lost], _axis_order(faces, N))
     return np.column_stack([x, sign])
 
 
@@ -180,12 +274,10 @@ def _unit(v: np.ndarray) -> np.ndarray:
 
 
 def _corner_angles(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Return the [T, 3] interior angles in radians, 0 throughout a triangle without area."""
+    """Return the [T, 3] interior angles in radians."""
     p = positions[triangles]
     e = _unit(np.roll(p, -1, axis=1) - p)
-    angles = np.arccos(np.clip(-np.sum(e * np.roll(e, 1, axis=1), axis=2), -1.0, 1.0))
-    angles[np.linalg.norm(_area_vectors(positions, triangles), axis=1) == 0] = 0.0
-    return angles
+    return np.arccos(np.clip(-np.sum(e * np.roll(e, 1, axis=1), axis=2), -1.0, 1.0))
 
 
 def _area_vectors(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
@@ -198,42 +290,34 @@ def _area_vectors(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return S
 
 
-def _sum_at_coincident(keys: np.ndarray, corner: np.ndarray, value: np.ndarray) -> np.ndarray:
-    """Sum `value` [C, n] of the corners at each vertex, vertices with equal `keys` [V, k] counting as one; [V, n]."""
-    # + 0.0 makes -0 and 0 the same key.
-    _, group = np.unique(keys + 0.0, axis=0, return_inverse=True)
-    group = group.reshape(-1)
-    total = np.zeros((group.max() + 1, value.shape[1]))
-    np.add.at(total, group[corner], value)
-    return total[group]
+def _sums(group: np.ndarray, triangles: np.ndarray, value: np.ndarray) -> np.ndarray:
+    """Sum `value` [3 T, n] of the corners at each vertex, vertices of one `group` [V] counting as one; [V, n]."""
+    corner = group[triangles.ravel()]
+    return np.stack([np.bincount(corner, column, group.max() + 1) for column in value.T], 1)[group]
 
 
-def _vertex_normals(positions: np.ndarray, triangles: np.ndarray, given: np.ndarray | None) -> np.ndarray:
+def _vertex_normals(positions: np.ndarray, place: np.ndarray, faces: _Faces, given: np.ndarray | None) -> np.ndarray:
     """Return [V, 3] unit normals: the given ones where usable, else face normals weighted by corner angle.
 
     The angle weights make the sum independent of how the surface is cut into triangles (Thuermer and Wuethrich 1998).
     """
-    face_normal = _unit(_area_vectors(positions, triangles))
-    weighted = (_corner_angles(positions, triangles)[..., None] * face_normal[:, None, :]).reshape(-1, 3)
-    corner = triangles.ravel()
-    N = _sum_at_coincident(positions, corner, weighted)
+    triangles, face_normal = faces.triangles, _unit(faces.area_vectors)
+    weighted = (faces.angles[..., None] * face_normal[:, None, :]).reshape(-1, 3)
+    N = _sums(place, triangles, weighted)
     # Two sheets back to back cancel when they are summed as one: then each vertex speaks for itself.
-    weight = _sum_at_coincident(positions, corner, np.linalg.norm(weighted, axis=1, keepdims=True))
+    weight = _sums(place, triangles, faces.angles.reshape(-1, 1))
     cancelled = np.linalg.norm(N, axis=1) <= 1e-3 * weight[:, 0]
     if cancelled.any():
-        alone = np.zeros_like(positions)
-        np.add.at(alone, corner, weighted)
+        alone = _sums(np.arange(len(positions)), triangles, weighted)
         N[cancelled] = alone[cancelled]
     N = _unit(N)
     lost = np.linalg.norm(N, axis=1) < 0.5
     if lost.any():
         # Any face's normal is better than none; a vertex of no true triangle gets +Y, which nothing will show.
         any_face = np.tile([0.0, 1.0, 0.0], (len(positions), 1))
-        solid = np.linalg.norm(face_normal, axis=1) > 0.5
-        any_face[triangles[solid].ravel()] = np.repeat(face_normal[solid], 3, axis=0)
+        any_face[triangles.ravel()] = np.repeat(face_normal, 3, axis=0)
         N[lost] = any_face[lost]
     if given is not None:
-        given = np.asarray(given, np.float64)
         with np.errstate(invalid="ignore"):
             length = np.linalg.norm(given, axis=1)
             usable = np.isfinite(length) & (length > 1e-6)
@@ -242,33 +326,34 @@ def _vertex_normals(positions: np.ndarray, triangles: np.ndarray, given: np.ndar
 
 
 def _corner_tangents(
-    positions: np.ndarray, triangles: np.ndarray, uv: np.ndarray, N: np.ndarray
+    positions: np.ndarray, faces: _Faces, uv: np.ndarray, N: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return per corner: unit dP/du times the corner angle [T, 3, 3], and the handedness [T, 3] (0 = unusable UVs).
 
     dP/du = (e1 dv2 - e2 dv1) / (du1 dv2 - du2 dv1); the sign of that determinant says whether the UVs are mirrored,
     counted against N, which a file may point away from the winding's side.
     """
+    triangles, S = faces.triangles, faces.area_vectors
     p, t = positions[triangles], uv[triangles]
     e_1, e_2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
     d_1, d_2 = t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]
-    S = _area_vectors(positions, triangles)
     with np.errstate(invalid="ignore", over="ignore"):
         determinant = d_1[:, 0] * d_2[:, 1] - d_2[:, 0] * d_1[:, 1]
         # Relative: UVs may be in metres, texels or fractions; 1e-6 is what float32 UVs leave of a line.
         scale = np.max([np.sum(d_1**2, 1), np.sum(d_2**2, 1), np.sum((d_2 - d_1) ** 2, 1)], axis=0)
         usable = np.isfinite(t).all(axis=(1, 2)) & (np.abs(determinant) > 1e-6 * scale) & (S != 0).any(axis=1)
         x = _unit((e_1 * d_2[:, 1:] - e_2 * d_1[:, 1:]) * np.sign(determinant)[:, None])
-    angle = _corner_angles(positions, triangles)
     side = np.where(np.sum(N[triangles] * S[:, None, :], axis=2) < 0, -1.0, 1.0)
     x = np.where(usable[:, None], x, 0.0)
-    return x[:, None, :] * angle[..., None], np.where(usable, np.sign(np.nan_to_num(determinant)), 0.0)[:, None] * side
+    return x[:, None, :] * faces.angles[..., None], np.where(usable, np.sign(np.nan_to_num(determinant)), 0.0)[
+        :, None
+    ] * side
 
 
-def _axis_order(positions: np.ndarray, triangles: np.ndarray, N: np.ndarray) -> Sequence[int]:
+def _axis_order(faces: _Faces, N: np.ndarray) -> Sequence[int]:
     """Return the axes X, Z, Y (as 0, 2, 1), the one with the least area near it first."""
-    area = np.linalg.norm(_area_vectors(positions, triangles), axis=1)
-    facing = np.abs(N[triangles].mean(axis=1)) > np.cos(np.radians(25.0))
+    area = np.linalg.norm(faces.area_vectors, axis=1)
+    facing = np.abs(N[faces.triangles].mean(axis=1)) > np.cos(np.radians(25.0))
     near = (area[:, None] * facing).sum(axis=0) / max(area.sum(), 1e-300)
     # Rounded, so that symmetric meshes keep the stated order.
     return sorted((0, 2, 1), key=lambda axis: round(float(near[axis]), 2))

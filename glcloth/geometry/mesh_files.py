@@ -4,19 +4,22 @@ from __future__ import annotations
 
 import difflib
 import tomllib
-import warnings
 from pathlib import Path
 
 import numpy as np
-import trimesh
 
-from ..color import srgb_decode
 from ..errors import InputError
-from ..files import PACKAGE, atomic_write
+from ..files import PACKAGE, atomic_write, read_bytes
 from ..progress import warn
 from . import shapes
-from .mesh import Mesh, build_mesh
-from .obj import read_obj, read_obj_and_mtl
+from .gltf_scene import read_gltf
+from .materials import mean_color
+from .mesh import Mesh, assembled, build_mesh
+from .mesh_write import glb_bytes, obj_text, ply_bytes
+from .obj import read_obj
+from .ply import read_ply
+from .raw import MOST_BYTES, RawMesh
+from .stl_off import read_off, read_stl
 
 MESHES = PACKAGE / "meshes"
 BUILTIN_MESHES = ("drape", "sphere", "plane", "cylinder")
@@ -73,24 +76,32 @@ def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | N
         raise InputError(
             f"{path}: unknown suffix `{path.suffix}`, expected {', '.join(MESH_SUFFIXES)}; convert it first"
         )
-    if not path.is_file():
+    raw = read_mesh(path, colored)
+    mesh, kept = assembled(raw, path.stem, str(path))
+    return mesh, reflectances(raw)[kept] if colored else None
+
+
+def read_mesh(path: Path, colored: bool = False) -> RawMesh:
+    """Return what a mesh file holds as it stands in it, with its materials if asked for. Raises InputError."""
+    if not path.exists():
         raise InputError(f"{path}: no such file; check the path, or use a built-in mesh ({', '.join(BUILTIN_MESHES)})")
-    try:
-        blob = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
+    blob = read_bytes(path, MOST_BYTES)
     if not blob.strip():
         raise InputError(f"{path}: the file is empty; export the mesh again")
-    if suffix == ".obj" and colored:
-        data, reflectances = read_obj_and_mtl(path, GREY)
-        colors = reflectances[data.material]
-    elif suffix == ".obj":
-        data, colors = read_obj(blob.decode("utf-8", errors="replace"), str(path)), None
-    if suffix == ".obj":
-        arrays = data.positions, data.triangles, data.uv, data.normals
-    else:
-        *arrays, colors = _read_with_trimesh(path, colored)
-    return build_mesh(path.stem, *arrays, where=str(path)), colors
+    if path.suffix.lower() == ".obj":
+        return read_obj(blob, path, colored)
+    suffix = path.suffix.lower()
+    if suffix in (".glb", ".gltf"):
+        return read_gltf(blob, path, colored)
+    return {".ply": read_ply, ".stl": read_stl, ".off": read_off}[suffix](blob, str(path))
+
+
+def reflectances(raw: RawMesh) -> np.ndarray:
+    """The diffuse reflectance [T, 3] float32, linear, of triangles: their materials' colours, textures by their mean."""
+    rows = np.full((len(raw.triangles), 3), GREY if raw.colors is None else 1.0)
+    if raw.materials and raw.material_of is not None:
+        rows = np.array([mean_color(material) for material in raw.materials])[raw.material_of]
+    return (rows if raw.colors is None else rows * raw.colors).astype(np.float32)
 
 
 def load_view(name: str) -> dict | None:
@@ -100,7 +111,7 @@ def load_view(name: str) -> dict | None:
 
 def _builtin(name: str) -> Mesh:
     if name == "drape":
-        return build_mesh(name, *_read_with_trimesh(MESHES / "drape.ply")[:4], where=name)
+        return assembled(read_mesh(MESHES / "drape.ply"), name, name)[0]
     positions, triangles, uv, normals = getattr(shapes, name)()
     return build_mesh(name, positions, triangles, uv, normals)
 
@@ -126,101 +137,6 @@ def _stand() -> tuple[Mesh, np.ndarray]:
     return mesh, np.concatenate([np.tile(np.float32(color), (len(part[1]), 1)) for part, color in parts])
 
 
-def _read_with_trimesh(path: Path, colored: bool = False) -> tuple[np.ndarray | None, ...]:
-    """Return (positions, triangles, uv or None, normals or None, reflectances [T, 3] if asked for) of all geometries of a
-    file, in the world frame."""
-    try:
-        # trimesh warns of faults that it can mend (missing textures, say); others raise errors of any type.
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            scene = trimesh.load_scene(path, process=False, fix_texture=not _ply_has_vertex_uv(path))
-            parts = [_part(scene, node, colored) for node in scene.graph.nodes_geometry]
-    except InputError:
-        raise
-    except Exception as error:
-        reason = " ".join(str(error).split())[:100] or type(error).__name__
-        kind = path.suffix.lower().lstrip(".")
-        raise InputError(f"{path}: cannot be read as {kind} ({reason}); is it whole? export it again") from None
-    parts = [part for part in parts if part is not None]
-    if not parts:
-        raise InputError(f"{path}: holds no triangles; export it with its faces")
-    begins = np.cumsum([0] + [len(part[0]) for part in parts])
-    triangles = []
-    for (positions, faces, *_), begin in zip(parts, begins, strict=False):
-        if len(faces) and (faces.min() < 0 or faces.max() >= len(positions)):
-            raise InputError(
-                f"{path}: a face names vertex {faces.max()}, out of range, it has {len(positions)}; export it again"
-            )
-        triangles.append(faces + begin)
-
-    def joined(column: int, width: int) -> np.ndarray | None:
-        if all(part[column] is None for part in parts):
-            return None
-        return np.concatenate(
-            [np.full((len(part[0]), width), np.nan) if part[column] is None else part[column] for part in parts]
-        )
-
-    colors = np.concatenate([part[4] for part in parts]).astype(np.float32) if colored else None
-    return np.concatenate([part[0] for part in parts]), np.concatenate(triangles), joined(2, 2), joined(3, 3), colors
-
-
-def _ply_has_vertex_uv(path: Path) -> bool:
-    """Return whether a PLY header declares UVs per vertex: then trimesh must not regroup (and reorder) the vertices."""
-    if path.suffix.lower() != ".ply":
-        return False
-    with open(path, "rb") as file:
-        header = file.read(1 << 16).split(b"end_header", 1)[0]
-    names = {line.split()[-1] for line in header.splitlines() if line.startswith(b"property") and b" list " not in line}
-    return any(pair <= names for pair in ({b"s", b"t"}, {b"u", b"v"}, {b"texture_u", b"texture_v"}))
-
-
-def _part(scene: trimesh.Scene, node: str, colored: bool) -> tuple | None:
-    """Return one node's arrays in the world frame, or None if it is no surface."""
-    world_from_part, name = scene.graph[node]
-    geometry = scene.geometry[name]
-    if not isinstance(geometry, trimesh.Trimesh) or len(geometry.faces) == 0:
-        return None
-    linear = np.asarray(world_from_part)[:3, :3]
-    positions = np.asarray(geometry.vertices, float) @ linear.T + np.asarray(world_from_part)[:3, 3]
-    faces = np.asarray(geometry.faces, np.int64)
-    uv = getattr(geometry.visual, "uv", None)
-    if uv is not None and np.shape(uv) != (len(positions), 2):
-        uv = None
-    # Asking for vertex_normals would make trimesh compute them; only what the file gave is in the cache.
-    normals = geometry._cache.cache.get("vertex_normals")
-    if normals is not None and np.shape(normals) == positions.shape:
-        normals = np.asarray(normals, float) @ np.linalg.pinv(linear)
-    else:
-        normals = None
-    # A mirroring transform turns triangles inside out; swapping two corners turns them back.
-    if np.linalg.det(linear) < 0:
-        faces = faces[:, ::-1]
-    return positions, faces, uv, normals, _reflectances(geometry) if colored else None
-
-
-def _reflectances(geometry: trimesh.Trimesh) -> np.ndarray:
-    """Return the diffuse reflectance [F, 3], linear, of a geometry's faces; GREY where the file says nothing."""
-    count, visual = len(geometry.faces), geometry.visual
-    if not getattr(visual, "defined", False):
-        return np.full((count, 3), GREY)
-    if visual.kind == "face":
-        return srgb_decode(np.asarray(visual.face_colors)[:, :3] / 255.0)
-    if visual.kind == "vertex":
-        return srgb_decode(np.asarray(visual.vertex_colors)[:, :3] / 255.0)[geometry.faces].mean(1)
-    material = getattr(visual, "material", None)
-    if isinstance(material, trimesh.visual.material.PBRMaterial):
-        factor, texture = material.baseColorFactor, material.baseColorTexture
-        # A factor is linear, a texture's texels are not.
-        color = np.ones(3) if factor is None else np.asarray(factor, float)[:3] / 255.0
-        if texture is not None:
-            color = color * srgb_decode(np.asarray(texture.convert("RGB"), float) / 255.0).mean((0, 1))
-        elif factor is None:
-            color = np.full(3, GREY)
-    else:
-        color = srgb_decode(np.asarray(getattr(material, "main_color", [188, 188, 188]), float)[:3] / 255.0)
-    return np.tile(color, (count, 1))
-
-
 def save_mesh(path: str | Path, mesh: Mesh) -> None:
     """Write a mesh with normals and UVs as binary PLY, OBJ or GLB, by the suffix; whole or not at all.
 
@@ -232,35 +148,8 @@ def save_mesh(path: str | Path, mesh: Mesh) -> None:
         raise InputError(f"{path}: cannot save a mesh as `{path.suffix}`, expected {', '.join(SAVE_SUFFIXES)}")
     with atomic_write(path) as temporary:
         if suffix == ".ply":
-            temporary.write_bytes(_ply(mesh))
+            temporary.write_bytes(ply_bytes(mesh))
         elif suffix == ".obj":
-            temporary.write_text(_obj(mesh), encoding="utf-8")
+            temporary.write_text(obj_text(mesh), encoding="utf-8")
         else:
-            visual = None if mesh.uv is None else trimesh.visual.TextureVisuals(uv=mesh.uv)
-            whole = trimesh.Trimesh(
-                mesh.positions, mesh.triangles, vertex_normals=mesh.normals, visual=visual, process=False
-            )
-            temporary.write_bytes(trimesh.Scene({mesh.name: whole}).export(file_type="glb"))
-
-
-def _ply(mesh: Mesh) -> bytes:
-    """Return binary little-endian PLY: x y z nx ny nz [s t] per vertex, one list of three indices per face."""
-    names = ["x", "y", "z", "nx", "ny", "nz"] + ([] if mesh.uv is None else ["s", "t"])
-    header = ["ply", "format binary_little_endian 1.0", f"element vertex {len(mesh.positions)}"]
-    header += [f"property float {name}" for name in names]
-    header += [f"element face {len(mesh.triangles)}", "property list uchar int vertex_indices", "end_header", ""]
-    vertex = np.column_stack([mesh.positions, mesh.normals] + ([] if mesh.uv is None else [mesh.uv])).astype("<f4")
-    face = np.empty(len(mesh.triangles), np.dtype([("count", "u1"), ("index", "<i4", (3,))]))
-    face["count"], face["index"] = 3, mesh.triangles
-    return "\n".join(header).encode() + vertex.tobytes() + face.tobytes()
-
-
-def _obj(mesh: Mesh) -> str:
-    """Return OBJ text; nine significant digits give back every float32."""
-    lines = [f"o {mesh.name}"]
-    lines += ["v {:.9g} {:.9g} {:.9g}".format(*row) for row in mesh.positions.tolist()]
-    lines += [] if mesh.uv is None else ["vt {:.9g} {:.9g}".format(*row) for row in mesh.uv.tolist()]
-    lines += ["vn {:.9g} {:.9g} {:.9g}".format(*row) for row in mesh.normals.tolist()]
-    corner = "{0}//{0}" if mesh.uv is None else "{0}/{0}/{0}"
-    lines += ["f " + " ".join(corner.format(i + 1) for i in row) for row in mesh.triangles.tolist()]
-    return "\n".join([*lines, ""])
+            temporary.write_bytes(glb_bytes(mesh))

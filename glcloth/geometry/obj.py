@@ -1,8 +1,6 @@
-"""Read Wavefront OBJ text into arrays, strictly: every fault is named with its line.
+"""Read Wavefront OBJ files into arrays, strictly: every fault is named with its line.
 
-trimesh reads PLY and glTF here, but not OBJ: it resolves relative indices against the end of the file, drops the UVs
-of a whole object when one index is wrong, and either reorders vertices or blends UVs where a seam splits a vertex
-(`maintain_order`), which would bend the yarns along every seam.
+Numbers of one kind of line are parsed together; only where that fails lines are looked at one by one, for the fault.
 """
 
 from __future__ import annotations
@@ -13,186 +11,237 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
+from .coincident import split_vertices
+from .mtl import read_materials
+from .polygons import triangulate
+from .raw import Material, Names, RawMesh, check_counts
+from .text import Lines, Words
+
+LEAST = {"v": 3, "vt": 1, "vn": 3}  # numbers of a line
 
 
-@dataclass(frozen=True)
-class ObjData:
-    """Arrays of one OBJ file: one row per distinct (v, vt, vn) triple, polygons cut into fans of triangles.
+@dataclass(frozen=True, eq=False)
+class _Corners:
+    """The corners of all faces: v, vt, vn [C] from 0, -1 for one that is left out; the line of each face, its corners."""
 
-    positions [V, 3] float64; uv [V, 2] float64 or None (NaN where a corner has none); normals [V, 3] float64 or None
-    (NaN likewise); triangles [T, 3] int64; material [T] int32: index into materials, the `usemtl` names ("" = none).
+    index: np.ndarray
+    lines: np.ndarray
+    counts: np.ndarray
+
+
+def read_obj(blob: bytes, path: Path, colored: bool = False, grey: float | None = None) -> RawMesh:
+    """Return the geometry of an OBJ file, its parts by material, group and object, and, if asked for, its materials.
+
+    Parameters
+    ----------
+    blob : the file's bytes
+    path : names it in messages, and is where its material files are looked for
+    colored : read the material files
+    grey : reflectance where the file names no material file; with it, materials that are missing or wrong are errors
+
+    One vertex per distinct (v, vt, vn); polygons are cut into triangles. Lines other than v, vt, vn, f, g, o, usemtl and
+    mtllib are skipped. Raises InputError, with the line, for a number that is none, a face of fewer than three corners,
+    and an index that is zero or out of range.
     """
-
-    positions: np.ndarray
-    uv: np.ndarray | None
-    normals: np.ndarray | None
-    triangles: np.ndarray
-    material: np.ndarray
-    materials: tuple[str, ...]
-
-
-def split_vertices(vertex: np.ndarray, key: np.ndarray, vertex_count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Give each distinct (vertex, key) pair of the corners its own vertex, and keep the order of the old ones.
-
-    vertex : [C] int; key : [C, n] int.  The first key met at a vertex keeps that vertex's number; further ones are
-    appended in order of appearance.  Returns (corner [C] new vertex numbers, source [V'] old vertex of each new one,
-    first [V'] the first corner that uses it, -1 when none does).
-    """
-    pairs = np.column_stack([vertex, key])
-    _, begin, inverse = np.unique(pairs, axis=0, return_index=True, return_inverse=True)
-    order = np.argsort(begin, kind="stable")
-    owner = vertex[begin[order]]
-    leads = np.zeros(len(order), bool)
-    leads[np.unique(owner, return_index=True)[1]] = True
-    number = np.where(leads, owner, 0)
-    number[~leads] = vertex_count + np.arange(np.count_nonzero(~leads))
-    of_pair = np.empty(len(order), np.int64)
-    of_pair[order] = number
-    source = np.concatenate([np.arange(vertex_count), owner[~leads]])
-    first = np.full(len(source), -1, np.int64)
-    first[number] = begin[order]
-    return of_pair[inverse.reshape(-1)], source, first
-
-
-def read_obj(text: str, where: str) -> ObjData:
-    """Return the geometry of an OBJ file's text; `where` names the file in messages.
-
-    Lines other than v, vt, vn, f and usemtl are skipped.  Raises InputError, with the line, for a number that is none,
-    a face of fewer than three corners, and an index that is zero or out of range.
-    """
-    values: dict[str, list[list[float]]] = {"v": [], "vt": [], "vn": []}
-    least = {"v": 3, "vt": 2, "vn": 3}
-    corners: list[tuple[int, int, int]] = []
-    material: list[int] = []
-    materials: dict[str, int] = {}
-    current = -1
-    for number, line in enumerate(text.replace("\\\n", " ").splitlines(), 1):
-        words = line.split("#", 1)[0].split()
-        if not words:
-            continue
-        kind = words[0]
-        if kind in values:
-            values[kind].append(
-                _numbers(words[1 : 1 + least[kind]], least[kind], f"{where}:{number}: `{line.strip()}`")
-            )
-        elif kind == "f":
-            face = [_corner(word, values, f"{where}:{number}") for word in words[1:]]
-            if len(face) < 3:
-                raise InputError(
-                    f"{where}:{number}: a face of {len(face)} corners, expected 3 or more; is the file cut off?"
-                )
-            if current < 0:
-                current = materials.setdefault("", len(materials))
-            for i in range(1, len(face) - 1):
-                corners += (face[0], face[i], face[i + 1])
-                material.append(current)
-        elif kind == "usemtl":
-            current = materials.setdefault(" ".join(words[1:]), len(materials))
-    if not values["v"]:
+    where = str(path)
+    lines = Lines(blob, where)
+    kinds = {name: lines.that_begin(name) for name in ("v", "vt", "vn", "f")}
+    check_counts(where, max(len(kinds[name]) for name in ("v", "vt", "vn")), len(kinds["f"]))
+    values = {name: _values(lines, kinds[name], name) for name in LEAST}
+    if not len(values["v"]):
         raise InputError(f"{where}: no vertices (lines `v x y z`), so it is no OBJ mesh; give another file")
-    if not corners:
+    if not len(kinds["f"]):
         raise InputError(f"{where}: {len(values['v'])} vertices but no faces; export it with its faces (lines `f ...`)")
-    table = np.array(corners, np.int64)
-    corner, source, first = split_vertices(table[:, 0], table[:, 1:], len(values["v"]))
+    faces = _faces(lines, kinds, where)
+    cut, polygon = triangulate(values["v"][:, :3], faces.index[:, 0], faces.counts)
+    check_counts(where, triangles=len(cut))
+    corner, source, first = split_vertices(faces.index[:, 0], faces.index[:, 1:], len(values["v"]))
+    check_counts(where, len(source))
 
-    def attribute(kind: str, column: int) -> np.ndarray | None:
-        if not values[kind] or (table[:, column] < 0).all():
+    def attribute(kind: str, column: int, width: int) -> np.ndarray | None:
+        if not len(values[kind]) or (faces.index[:, column] < 0).all():
             return None
         # Row -1 is NaN: the vertices no face uses, and the corners that name no value.
-        rows = np.vstack([np.array(values[kind], float), np.full((1, least[kind]), np.nan)])
-        return rows[np.where(first < 0, -1, table[first, column])]
+        rows = np.vstack([values[kind][:, :width], np.full((1, width), np.nan)])
+        return rows[np.where(first < 0, -1, faces.index[first, column])]
 
-    return ObjData(
-        positions=np.array(values["v"], float)[source],
-        uv=attribute("vt", 1),
-        normals=attribute("vn", 2),
-        triangles=corner.reshape(-1, 3),
-        material=np.array(material, np.int32),
-        materials=tuple(materials),
+    states = _states(lines)
+    state_of = (np.searchsorted([s.line for s in states], faces.lines) - 1)[polygon]
+    parts, part_of = _numbered([s.part for s in states], state_of)
+    names, material_of = _numbered([s.material for s in states], state_of)
+    libraries = [name for _, kind, name in lines.named if kind == "mtllib"]
+    materials = read_materials(path, names, libraries, grey) if colored else ()
+    positions = values["v"]
+    colors = None
+    if colored and positions.shape[1] == 6 and np.isfinite(positions[:, 3:]).all() and not libraries:
+        colors = _vertex_colors(positions[:, 3:])[faces.index[:, 0]][cut].mean(1)
+        materials = tuple(Material(name) for name in names)
+    return RawMesh(
+        np.ascontiguousarray(positions[source, :3]),
+        corner[cut],
+        attribute("vt", 1, 2),
+        attribute("vn", 2, 3),
+        tuple(parts),
+        part_of,
+        materials,
+        material_of,
+        colors,
     )
 
 
-def _numbers(words: list[str], count: int, where: str) -> list[float]:
-    """Return the `count` numbers of a line."""
-    try:
-        row = [float(word) for word in words]
-    except ValueError:
-        raise InputError(f"{where}: expected numbers; mend or re-export it") from None
-    if len(row) < count:
-        raise InputError(f"{where}: expected {count} numbers; is the file cut off?")
-    return row
+def _vertex_colors(rows: np.ndarray) -> np.ndarray:
+    """Linear reflectances of what scanners write after x y z: sRGB, to 1 or to 255."""
+    from ..color import srgb_decode
+
+    return srgb_decode(np.clip(rows / (255.0 if rows.max(initial=0.0) > 1.0 else 1.0), 0.0, 1.0))
 
 
-def _corner(word: str, values: dict[str, list], where: str) -> tuple[int, int, int]:
-    """Return zero-based (v, vt, vn) of one `v/vt/vn` word, -1 for a part left out; negative numbers count back."""
-    found = [-1, -1, -1]
+# Numbers ----------------------------------------------------------------------------------------------------------
+
+
+def _values(lines: Lines, which: np.ndarray, kind: str) -> np.ndarray:
+    """The numbers of the lines of a kind, [N, 3]; v with colours [N, 6]; a missing v of `vt u` is 0."""
+    if not len(which):
+        return np.zeros((0, 3))
+    text = lines.joined(which, len(kind))
+    count = text.words_per_line()
+    if (count < LEAST[kind]).any():
+        bad = which[np.argmax(count < LEAST[kind])]
+        raise lines.fault(bad, f"expected {LEAST[kind]} numbers; is the file cut off?", whole=True)
+    total = int(count.sum())
+    numbers = text.floats()
+    if len(numbers) != total:
+        # Some word is no number: it may be one that nobody reads.
+        width = 3
+        numbers, count = _one_by_one(lines, which, kind), np.full(len(which), width)
+    begin = np.cumsum(count) - count
+    width = 6 if kind == "v" and (count >= 6).all() else 3
+    rows = np.zeros((len(which), width))
+    for k in range(width):
+        there = count > k
+        rows[there, k] = numbers[begin[there] + k]
+    return rows
+
+
+def _one_by_one(lines: Lines, which: np.ndarray, kind: str) -> np.ndarray:
+    """The numbers of lines that hold other words, too; [3 N]. Raises InputError for the first that is no number."""
+    rows = []
+    for line in which.tolist():
+        words = lines.words(line)[1:4]
+        try:
+            row = [float(word) for word in words]
+        except ValueError:
+            raise lines.fault(line, "expected numbers; mend or re-export it", whole=True) from None
+        rows.append([*row, 0.0, 0.0][:3])
+    return np.array(rows, float).ravel()
+
+
+# Faces ------------------------------------------------------------------------------------------------------------
+
+
+def _faces(lines: Lines, kinds: dict[str, np.ndarray], where: str) -> _Corners:
+    which = kinds["f"]
+    text = lines.joined(which, 1)
+    counts = text.words_per_line()
+    if (counts < 3).any():
+        bad = int(np.argmax(counts < 3))
+        raise lines.fault(which[bad], f"a face of {counts[bad]} corners, expected 3 or more; is the file cut off?")
+    check_counts(where, triangles=int(counts.sum()) - 2 * len(counts))
+    index = _corner_numbers(text, int(counts.sum()))
+    if index is None:
+        index = np.array([_corner(lines, line, w) for line in which.tolist() for w in lines.words(line)[1:]], np.int64)
+    line_of = np.repeat(which, counts)
+    for column, kind in enumerate(("v", "vt", "vn")):
+        given = index[:, column]
+        back = given < 0
+        if back.any():
+            given[back] += 1 + np.searchsorted(kinds[kind], line_of[back])
+        bad = (given < 1) & ((column == 0) | back | (given == ZERO)) | (given > len(kinds[kind]))
+        if bad.any():
+            corner = int(np.argmax(bad))
+            line = int(line_of[corner])
+            word = lines.words(line)[1 + corner - int(np.searchsorted(line_of, line))]
+            said = [*word.split("/"), "", ""][column]
+            raise lines.fault(
+                line,
+                f"face corner `{word}`: {kind} index {said} is out of range, {len(kinds[kind])} defined; "
+                "re-export the file",
+            )
+        given -= 1
+        given[given < 0] = -1
+    return _Corners(index, which, counts)
+
+
+ZERO = -(1 << 40)  # stands for an index of 0 that the file gives, which is wrong; 0 stands for none
+
+
+def _corner_numbers(text: Words, total: int) -> np.ndarray | None:
+    """v, vt, vn [C, 3] of all words v, v/vt, v//vn and v/vt/vn, 0 for one left out; None where a word is none of these."""
+    slashes, doubled, dangling = text.slashes()
+    if dangling:
+        return None
+    numbers = text.integers()
+    width = 1 + slashes - doubled
+    if len(numbers) != int(width.sum()) or (slashes > 2).any() or (doubled & (slashes != 2)).any():
+        return None
+    numbers = np.where(numbers == 0, ZERO, numbers)
+    begin = np.cumsum(width) - width
+    index = np.zeros((total, 3), np.int64)
+    index[:, 0] = numbers[begin]
+    with_uv = (slashes >= 1) & (doubled == 0)
+    index[with_uv, 1] = numbers[begin[with_uv] + 1]
+    with_normal = slashes == 2
+    index[with_normal, 2] = numbers[begin[with_normal] + width[with_normal] - 1]
+    return index
+
+
+def _corner(lines: Lines, line: int, word: str) -> tuple[int, int, int]:
+    """The numbers of one `v/vt/vn` word, 0 for a part left out."""
+    found = [0, 0, 0]
     parts = word.split("/")
     if len(parts) > 3 or not parts[0]:
-        raise InputError(f"{where}: face corner `{word}`, expected v, v/vt, v//vn or v/vt/vn; mend or re-export it")
-    for slot, (part, kind) in enumerate(zip(parts, ("v", "vt", "vn"), strict=False)):
+        raise lines.fault(line, f"face corner `{word}`, expected v, v/vt, v//vn or v/vt/vn; mend or re-export it")
+    for slot, part in enumerate(parts):
         if not part:
             continue
         try:
-            index = int(part)
+            found[slot] = max(min(int(part), 1 << 40), -(1 << 40)) or ZERO
         except ValueError:
-            raise InputError(
-                f"{where}: face corner `{word}`: `{part}` is no whole number; re-export the file"
-            ) from None
-        count = len(values[kind])
-        zero_based = index - 1 if index > 0 else count + index
-        if index == 0 or not 0 <= zero_based < count:
-            raise InputError(
-                f"{where}: face corner `{word}`: {kind} index {index} is out of range, {count} defined so far; "
-                "re-export the file"
-            )
-        found[slot] = zero_based
+            raise lines.fault(line, f"face corner `{word}`: `{part}` is no whole number; re-export the file") from None
     return found[0], found[1], found[2]
 
 
-def read_mtl(text: str, where: str) -> dict[str, tuple[float, float, float]]:
-    """Return {material: diffuse reflectance Kd} of an MTL file's text; a material without Kd is 70 % grey.
-
-    Raises InputError, with the line, for a Kd that is not three numbers from 0 to 1.
-    """
-    colors: dict[str, tuple[float, float, float]] = {}
-    name = None
-    for number, line in enumerate(text.splitlines(), 1):
-        words = line.split("#", 1)[0].split()
-        if words[:1] == ["newmtl"]:
-            name = " ".join(words[1:])
-            colors[name] = (0.7, 0.7, 0.7)
-        elif words[:1] == ["Kd"] and name is not None:
-            try:
-                color = tuple(float(word) for word in words[1:4])
-            except ValueError:
-                color = ()
-            if len(color) != 3 or not all(0 <= c <= 1 for c in color):
-                raise InputError(f"{where}:{number}: `{line.strip()}`: expected three numbers from 0 to 1; change it")
-            colors[name] = color
-    return colors
+# Names ------------------------------------------------------------------------------------------------------------
 
 
-def read_obj_and_mtl(path: Path, grey: float) -> tuple[ObjData, np.ndarray]:
-    """Return an OBJ file's geometry and the reflectances [M, 3] float32 (Kd, linear) of its materials; all of them are
-    `grey` where it names no material file.
+@dataclass(frozen=True)
+class _State:
+    """What holds from a line on."""
 
-    Raises InputError for a file that cannot be read or is damaged, a material file that is missing and a material that
-    it does not define.
-    """
-    try:
-        text = path.read_text(encoding="utf-8", errors="replace")
-        data = read_obj(text, str(path))
-        named = [line.partition("mtllib ")[2].strip() for line in text.splitlines() if line.startswith("mtllib ")]
-        libraries = [name for name in named if name]
-        colors: dict[str, tuple[float, float, float]] = {}
-        for name in libraries:
-            library = path.parent / name
-            if not library.is_file():
-                raise InputError(f"{path}: names the material file {name}, which is not beside it; put it there")
-            colors |= read_mtl(library.read_text(encoding="utf-8", errors="replace"), str(library))
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read ({error.strerror}); check its permissions") from None
-    missing = [name for name in data.materials if name and name not in colors] if libraries else []
-    if missing:
-        raise InputError(f"{path}: material `{missing[0]}` is not defined in {', '.join(libraries)}; define it there")
-    return data, np.array([colors.get(name, (grey,) * 3) for name in data.materials], np.float32)
+    line: int
+    part: Names
+    material: str
+
+
+def _states(lines: Lines) -> list[_State]:
+    """The names that hold from each line with `o`, `g` or `usemtl` on; the first holds from before the first line."""
+    named = {"usemtl": "", "g": "", "o": ""}
+    states = [_State(-1, (), "")]
+    for line, kind, name in lines.named:
+        if kind in named:
+            named[kind] = name
+            part = tuple(dict.fromkeys(v for v in named.values() if v))
+            states.append(_State(line, part, named["usemtl"]))
+    return states
+
+
+def _numbered(names: list, state_of: np.ndarray) -> tuple[list, np.ndarray]:
+    """The distinct ones of the states' names that faces use, in the order of their first use, and their numbers [T]."""
+    known = {name: i for i, name in enumerate(dict.fromkeys(names))}
+    number = np.array([known[name] for name in names], np.int32)[state_of]
+    used, first = np.unique(number, return_index=True)
+    order = used[np.argsort(first)]
+    new = np.zeros(len(known), np.int32)
+    new[order] = np.arange(len(order))
+    distinct = list(known)
+    return [distinct[i] for i in order.tolist()], new[number]

@@ -191,7 +191,7 @@ def test_dependencies_are_imported():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     text = "\n".join(p.read_text(encoding="utf-8") for p in MODULES)
     modules = {"pillow": "PIL", "pyopengl": "OpenGL", "flip-evaluator": "flip_evaluator", "tomli-w": "tomli_w"}
-    modules |= {"imgui-bundle": "imgui_bundle"}
+    modules |= {"imgui-bundle": "imgui_bundle", "mapbox-earcut": "mapbox_earcut"}
     for dependency in project["dependencies"]:
         name = re.match(r"[\w\-]+", dependency)[0]
         module = modules.get(name.lower(), name)
