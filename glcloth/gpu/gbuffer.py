@@ -134,7 +134,7 @@ class GBuffer:
                 # A pixel more to either side, for the rasteriser rounds as it likes.
                 below, above = (2.0 * (y / height) - 1.0 for y in (first - 1, first + rows + 1))
                 numbers = np.flatnonzero((high >= below) & (low <= above))
-            program.bind(clip_from_world=clip, eye=wanted.camera.eye)
+            program.bind(clip_from_world=clip, viewpoint=wanted.camera.viewpoint)
             self._draw_band(mesh, program, (0, first, self.size[0], min(rows, height - first)), numbers)
             yield
         self._drawn = wanted

@@ -12,6 +12,7 @@ from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view
+from ..geometry.views import view_by_name
 from ..geometry.props import Objects, arrange, load_solids
 from ..gpu.memo import Last
 from ..light.environment import Environment, load_environment, rotation_y
@@ -167,11 +168,13 @@ def _settings(scene: Scene, environment: Environment) -> Settings:
 
 
 def default_camera(mesh: Mesh, scene: Scene) -> Camera:
-    """The camera of a scene; missing values are chosen so that the mesh fills the picture."""
-    view, size = scene.camera, scene.size
-    fitted = mesh_camera(mesh, size[0] / size[1])
-    fov_deg = view.fov_deg or fitted.fov_deg
-    return Camera(view.eye or fitted.eye, view.target or fitted.target, view.up, fov_deg)
+    """The camera of a scene; missing values are chosen so that the mesh fills the picture. Raises InputError for a view that
+    neither we nor the mesh's file have."""
+    view, aspect = scene.camera, scene.size[0] / scene.size[1]
+    if view.view is None:
+        return view.over(mesh_camera(mesh, aspect))
+    angle = view.fov_deg or 35.0
+    return view.over(view_by_name(view.view, mesh.positions, aspect, angle, view.ortho, scene.mesh))
 
 
 def mesh_camera(mesh: Mesh, aspect: float) -> Camera:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import moderngl
@@ -11,7 +12,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
-from ..geometry.camera import Camera, sample_offsets
+from ..geometry.camera import Camera, lens_samples, sample_offsets
 from ..gpu.context import create_context
 from ..gpu.gbuffer import GBuffer
 from ..light.environment import Environment
@@ -167,7 +168,7 @@ class Renderer:
         self._target = target
         self._trace(pace)
         passes = max(surface.pass_count for surface in surfaces)
-        samples = sample_offsets(frame.scene.spp)
+        samples, cameras = sample_offsets(frame.scene.spp), lens_samples(frame.camera, frame.scene.spp)
         total = passes * len(samples)
         for job in pace.tracked(self.stage.geometry_jobs(frame), f"{frame.scene.method}: light on the folds"):
             job()
@@ -176,7 +177,9 @@ class Renderer:
         jobs = [(sample, number) for sample in range(len(samples)) for number in range(passes)]
         for done, (sample, number) in enumerate(pace.tracked(jobs, announce or "") if total > 1 else jobs):
             if number == 0:
-                for _ in self._see(target, frame, samples[sample], (sample, len(samples)), pace):
+                for _ in self._see(
+                    target, replace(frame, camera=cameras[sample]), samples[sample], (sample, len(samples)), pace
+                ):
                     yield done, total
             for finished in self._shade(target, surfaces, number, 1.0 / len(samples), total > 1, pace):
                 yield done + finished, total

@@ -108,7 +108,9 @@ class Solids(Surface):
         if self.hiding:
             used = self.mesh.positions[: self._hiding_vertices]
             ranges.append(camera.depth_range(used.min(0), used.max(0)))
-        if (ground := self.objects.ground) is not None:
+        if (ground := self.objects.ground) is not None and camera.ortho is not None:
+            ranges.append(_ground_range(camera, ground.height, float(ground.radii[-1])))
+        elif ground is not None:
             across = np.hypot(camera.eye[0] - ground.center[0], camera.eye[2] - ground.center[1])
             height = abs(camera.eye[1] - ground.height)
             ranges.append((NEAREST * height, 1.01 * float(np.hypot(across + ground.radii[-1], height))))
@@ -143,6 +145,17 @@ class Solids(Surface):
             "everything": mode == "off",
             "bounces": mode == "full" and self._bounces,
         }
+
+
+def _ground_range(camera: Camera, height: float, radius: float) -> tuple[float, float]:
+    """Near and far distance of a ground that parallel rays meet."""
+    toward = camera.ray_from_pixel((2, 1))[:, 2]
+    origins = camera.origin_from_pixel((2, 1)) @ np.array([[x, y, 1.0] for x in (0, 2) for y in (0, 1)]).T
+    if toward[1] > -1e-6:
+        return np.inf, 0.0  # none does
+    t = (height - origins[1]) / toward[1]
+    far = max(min(1.05 * float(t.max()), 2.0 * (radius + camera.reach)), 1e-6)
+    return max(0.95 * float(t.min()), 1e-3 * far), far
 
 
 def _joined(meshes: list[Mesh]) -> Mesh:
