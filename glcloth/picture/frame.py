@@ -12,15 +12,15 @@ from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view
-from ..geometry.views import view_by_name
 from ..geometry.props import Objects, arrange, load_solids
+from ..geometry.views import view_by_name
 from ..gpu.memo import Last
 from ..light.environment import Environment, load_environment, rotation_y
 from ..light.fit import fit_lights
 from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..light.lights_file import load_lights
 from ..methods.settings import Settings
-from ..scene import Scene, load_scene
+from ..scene import Scene, View, load_scene
 from ..visibility.pixels import is_next_pose
 
 
@@ -88,7 +88,7 @@ class Frames:
         cloths: Sequence[Cloth] = (),
         environment: Environment | str | None = None,
         lights: Lights | SphericalGaussians | None = None,
-        camera: Camera | None = None,
+        camera: Camera | View | None = None,
         objects: Objects | None = None,
         **changes: Any,
     ) -> Frame:
@@ -96,6 +96,8 @@ class Frames:
         scene = Scene() if scene is None else load_scene(scene)
         if objects is not None and not isinstance(objects, Objects):
             changes, objects = {**changes, "objects": objects}, None
+        if camera is not None and not isinstance(camera, Camera):
+            changes, camera = {**changes, "camera": camera}, None
         scene = scene.changed(**changes) if changes else scene
         if scene.curtain is not None:
             raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")

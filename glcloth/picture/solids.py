@@ -116,6 +116,18 @@ class Solids(Surface):
             ranges.append((NEAREST * height, 1.01 * float(np.hypot(across + ground.radii[-1], height))))
         return min(near for near, _ in ranges), max(far for _, far in ranges)
 
+    def albedo_at(self, triangles: np.ndarray) -> np.ndarray:
+        return self.triangle_reflectances()[triangles, :3]
+
+    def identities(self, frame: Frame, number: int) -> list[tuple[int, str, str]]:
+        names: list[str] = []
+        for mesh in self.objects.meshes:
+            before = sum(name.split(".")[0] == mesh.name for name in names)
+            names.append(f"{mesh.name}.{before + 1}" if before else mesh.name)
+        counts = [len(mesh.triangles) * share for mesh, share in zip(self.objects.meshes, self._shares, strict=True)]
+        ends = [*np.cumsum(counts).tolist(), len(self.mesh.triangles)]
+        return [(end, name, name) for end, name in zip(ends, [*names, "ground"], strict=True)]
+
     # -- shading -----------------------------------------------------------------------------------------------------
 
     def shade(
@@ -125,15 +137,15 @@ class Solids(Surface):
             return
         method = self._lit_by.method
         if method.lights_solids:
-            program, light = method.solids_program(), {**method.inputs(), **self._lit_by.passes[number]}
+            program, light = method.solids_program(buffer.defines()), {**method.inputs(), **self._lit_by.passes[number]}
         else:
-            program, light = self._program_of_means(), self._means(view)
+            program, light = self._program_of_means(buffer.defines()), self._means(view)
         share = {"pass_weight": weight, "pass_cover": weight / self.pass_count}
         buffer.shade(program, light, {"reflectance_data": self._reflectance_data}, share, add=add, rows=rows)
 
-    def _program_of_means(self) -> Draw:
+    def _program_of_means(self, defines: dict[str, int]) -> Draw:
         virtual = {"lit.glsl": "inputs/visibility/lit_means.glsl"}
-        return programs(self.ctx).screen("passes/picture/lambert.frag", None, virtual)
+        return programs(self.ctx).screen("passes/picture/lambert.frag", defines, virtual)
 
     def _means(self, view: PixelView) -> dict[str, Any]:
         """Gaussians and suns, each as far as it is seen, and the bounced light."""

@@ -110,7 +110,7 @@ def test_cameras_of_a_file(tmp_path):
     np.testing.assert_allclose(seen.target, (0, 1, 0), atol=1e-9)
     with pytest.raises(InputError, match="has 2 cameras; did you mean shot"):
         view_by_name("shott", np.zeros((1, 3)), 1.0, file=path)
-    with pytest.raises(InputError, match="expected front.*shot, plan"):
+    with pytest.raises(InputError, match=r"expected front.*shot, plan"):
         view_by_name("file", np.zeros((1, 3)), 1.0, file=path)
 
 
