@@ -16,6 +16,7 @@ import tempfile
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -54,6 +55,7 @@ def write_image(
     half: bool = False,
     exposure: float = 0.0,
     view_transform: str = "standard",
+    layers: Any = None,
 ) -> Path:
     """Write `array` ([H, W], [H, W, 3] or [H, W, 4], linear Rec. 709) to .exr or .png, whole or not at all.
 
@@ -63,6 +65,7 @@ def write_image(
     half : EXR with 16-bit floats (values beyond 65504 are limited); else 32-bit
     exposure : stops, PNG only
     view_transform : a name in color.VIEW_TRANSFORMS, PNG only
+    layers : picture.layers.Layers of the picture, EXR with 32-bit floats only
 
     An EXR is the scene-linear picture itself: exposure and view transform do not touch it. Returns the path.
     Raises InputError on a wrong shape or suffix and when the file cannot be written.
@@ -75,13 +78,15 @@ def write_image(
     if array.ndim != 3 or array.shape[-1] not in (3, 4) or 0 in array.shape:
         raise InputError(f"{path}: array of shape {array.shape}, expected [H, W, 3] or [H, W, 4]")
     text = None if settings is None else json.dumps(settings, sort_keys=True, default=_plain)
+    if layers is not None and (suffix != ".exr" or half):
+        raise InputError(f"{path}: layers need an .exr of 32-bit floats")
     if suffix == ".png":
         data = _png(array, text, exposure, view_transform)
         with atomic_write(path) as temporary:
             temporary.write_bytes(data)
     else:
         with atomic_write(path) as temporary:
-            _write_exr(temporary, array, text, half)
+            _write_exr(temporary, array, text, half, layers)
     return path
 
 
@@ -285,7 +290,7 @@ def _in_display_window(image: np.ndarray, header: dict) -> np.ndarray:
     return canvas
 
 
-def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool) -> None:
+def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool, layers: Any = None) -> None:
     import OpenEXR
 
     if half:
@@ -294,9 +299,13 @@ def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool) -> N
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     if text is not None:
         header[SETTINGS_KEY] = text
+    channels = {"RGB" if array.shape[-1] == 3 else "RGBA": pixels}
+    if layers is not None:
+        header |= layers.attributes()
+        channels |= {name: np.ascontiguousarray(plane, np.float32) for name, plane in layers.channels().items()}
     try:
         with _silence():
-            with OpenEXR.File(header, {"RGB" if array.shape[-1] == 3 else "RGBA": pixels}) as file:
+            with OpenEXR.File(header, channels) as file:
                 file.write(str(path))
     except (RuntimeError, ValueError) as error:
         raise InputError(f"{path.parent}: the picture cannot be written there ({error}); is the disk full?") from None

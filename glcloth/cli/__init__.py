@@ -62,9 +62,20 @@ def _quiet_libraries() -> Iterator[None]:
         logging.lastResort = nobody
 
 
+def _with_negative_values(arguments: list[str]) -> list[str]:
+    """The arguments with each option and a value that begins with a minus in one, so that it is not read as an option."""
+    out: list[str] = []
+    for argument in arguments:
+        if out and re.fullmatch(r"--[a-z][-a-z]*", out[-1]) and re.match(r"-\.?\d", argument):
+            out[-1] += f"={argument}"
+        else:
+            out.append(argument)
+    return out
+
+
 def main(arguments: list[str] | None = None) -> None:
     """Run one command. Exit 0 done, 1 a fault of ours, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C."""
-    arguments = _with_heights(sys.argv[1:] if arguments is None else arguments)
+    arguments = _with_negative_values(_with_heights(sys.argv[1:] if arguments is None else arguments))
     hear_ctrl_c()
     try:
         with _quiet_libraries():

@@ -73,11 +73,13 @@ def scene_options() -> str:
         '    """What to render; an option that is not given keeps the scene\'s value."""',
         "",
     ]
-    for model in (Scene, CurtainParameters):
+    for model in (Scene, View, CurtainParameters):
         for entry in entries(model):
             if entry.option:
                 kind = _type(model.model_fields[entry.name].annotation)
-                name = f'name="{entry.option}", negative="", ' if entry.kind == "list" else ""
+                named = entry.option != "--" + entry.name.replace("_", "-")
+                name = f'name="{entry.option}", ' if named else ""
+                name += 'negative="", ' if entry.kind == "list" else ""
                 text = _help(entry, "curtain" if model is CurtainParameters else entry.of)
                 lines.append(f'    {entry.name}: Annotated[{kind} | None, Parameter({name}help="{text}")] = None')
     return "\n".join(lines) + "\n"
@@ -85,6 +87,7 @@ def scene_options() -> str:
 
 def _type(annotation: Any) -> str:
     """The type that an option is read as; the scene parses the rest of a text, and reports its errors."""
+    annotation = float if get_args(annotation) == (float, type(None)) else annotation
     if get_origin(annotation) is tuple and get_args(annotation)[-1] is Ellipsis:
         return "list[str]"
     return annotation.__name__ if annotation in (bool, int, float) else "str"

@@ -6,15 +6,16 @@ from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
+from ..progress import warn
 from .scene_options import SceneOptions
 
 if TYPE_CHECKING:
-    from ..scene import Scene
+    from ..scene import Scene, View
 
 
 def scene_of(name: str | None, options: SceneOptions | None = None, **changes: Any) -> Scene:
     """The scene of a command: a name or file, and the options that were given. Raises InputError."""
-    from ..scene import CurtainParameters, Scene, load_scene
+    from ..scene import CurtainParameters, Scene, View, load_scene
 
     given = {} if options is None else {field.name: getattr(options, field.name) for field in fields(options)}
     changes = {key: value for key, value in {**given, **changes}.items() if value is not None}
@@ -24,4 +25,24 @@ def scene_of(name: str | None, options: SceneOptions | None = None, **changes: A
         raise InputError(f"--{next(iter(table))}: belongs to the curtain; give its scene: glcloth render curtain")
     if table:
         changes["curtain"] = scene.curtain.changed(**table)
-    return scene.changed(**changes) if changes else scene
+    look = {key: changes.pop(key) for key in View.model_fields if key in changes}
+    if look:
+        changes["camera"] = _looked(scene.camera, look)
+    scene = scene.changed(**changes) if changes else scene
+    if scene.camera.aperture > 0.0 and scene.spp == 1:
+        warn(
+            f"aperture {scene.camera.aperture:g}: with one sample per pixel everything is sharp; give --spp 16 or more"
+        )
+    return scene
+
+
+def _looked(camera: View, look: dict[str, Any]) -> View:
+    """A camera with the options that were given: a view by name takes the place of the scene's own place."""
+    if "fov_deg" in look and "ortho" in look:
+        raise InputError("--fov, --ortho: an angle of view or parallel rays; give one of them")
+    gone = (
+        {"eye", "target", "up", "focus"} if "view" in look else {"view"} if {"eye", "target"} <= look.keys() else set()
+    )
+    gone |= {"ortho"} if "fov_deg" in look else {"fov_deg"} if "ortho" in look else set()
+    kept = {name: getattr(camera, name) for name in camera.model_fields_set - gone}
+    return type(camera).parse({**kept, **look})

@@ -34,6 +34,13 @@ def render(
     layers: Annotated[
         bool, Parameter(negative="", help="Curtain: blended layers without shadows instead, to compare.")
     ] = False,
+    aov: Annotated[
+        str | None,
+        Parameter(
+            help="Layers for compositing, in the .exr: some of depth,normal,position,uv,albedo,direct,bounce,transmission,"
+            "background,mask,cryptomatte."
+        ),
+    ] = None,
     device: Device = None,
     json: Json = False,
 ) -> None:
@@ -46,6 +53,8 @@ def render(
     """
     chosen = scene_of(scene, options, frame=frame)
     _check_views(chosen, show_tree, layers)
+    if aov is not None and output.suffix.lower() != ".exr":
+        raise InputError(f"{output}: --aov writes layers, expected a name that ends in .exr")
 
     from ..image import check_output, write_image
     from ..picture.renderer import Renderer
@@ -57,9 +66,12 @@ def render(
         if layers or show_tree is not None:
             picture = _views(renderer.show(chosen), show_tree, layers)
         else:
-            picture = renderer.render(chosen)
+            picture = renderer.render(chosen, aovs=aov or ())
         facts, gl = renderer.facts(), renderer.ctx.info["GL_RENDERER"]
-    write_image(output, picture, header(chosen), exposure=chosen.exposure, view_transform=chosen.view_transform)
+    look: dict[str, Any] = {"exposure": chosen.exposure, "view_transform": chosen.view_transform}
+    if aov:
+        look["layers"], picture = picture, picture["beauty"]
+    write_image(output, picture, header(chosen), **look)
     seconds = time.perf_counter() - begin
     result: dict[str, Any] = {"file": str(output), "width": picture.shape[1], "height": picture.shape[0]}
     result |= facts | {"seconds": round(seconds, 3), "gl_renderer": gl}

@@ -42,5 +42,13 @@ class SceneOptions:
     accelerator: Annotated[str | None, Parameter(help="What rays are traced through; all give the same picture (kdtree, lbvh or brute; curtain).")] = None
     depth: Annotated[int | None, Parameter(help="Generations of rays: through the cloth and mirrored by it (1 to 8; curtain).")] = None
     room: Annotated[str | None, Parameter(help="OBJ file of the room; none: built in (curtain).")] = None
+    view: Annotated[str | None, Parameter(help="Framed by the size of the cloth: front, three-quarter, side, back, close; or a camera of the mesh's .glb or .gltf file by its name, or file for its only one.")] = None
+    eye: Annotated[str | None, Parameter(help="Where the camera is, X,Y,Z (m).")] = None
+    target: Annotated[str | None, Parameter(help="What it looks at, X,Y,Z (m).")] = None
+    up: Annotated[str | None, Parameter(help="Direction that is up in the picture, X,Y,Z; none: +Y, or as the view has it.")] = None
+    fov_deg: Annotated[float | None, Parameter(name="--fov", help="Angle of view, from top to bottom (1 to 170 degrees).")] = None
+    ortho: Annotated[float | None, Parameter(help="Parallel rays instead of an angle of view: height of the picture (0.001 to 1e+06 m).")] = None
+    aperture: Annotated[float | None, Parameter(help="Diameter of the lens, which blurs what is not at the focus; by the samples per pixel (0 to 10 m).")] = None
+    focus: Annotated[float | None, Parameter(help="Distance along the view of what is sharp; none: that of the target (0.001 to 1e+06 m).")] = None
     fullness: Annotated[float | None, Parameter(help="Width of the cloth over that of the rail (1 to 4; curtain).")] = None
     wind: Annotated[float | None, Parameter(help="Wind into the room, perpendicular to the window; animate: along the built-in cloth (-20 to 20 m/s; curtain).")] = None

@@ -13,6 +13,7 @@ from ..accel.triangles import Triangles
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
+from ..geometry.views import view_by_name
 from ..light.environment import Environment, load_environment
 from ..progress import track
 from ..scene import CurtainParameters, Scene
@@ -25,13 +26,25 @@ from .room import ROOM, Room, load_room
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
+VIEWS = ("front", "three-quarter", "close")  # walls hide it from the others
 VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
 
 
 def camera_of(scene: Scene) -> Camera:
-    """The camera of a curtain's scene; missing values are those of the built-in room."""
-    c = scene.camera
-    return Camera(c.eye or VIEW.eye, c.target or VIEW.target, c.up, c.fov_deg or VIEW.fov_deg)
+    """The camera of a curtain's scene; missing values are those of the built-in room. Raises InputError for a view that the
+    room does not have."""
+    view, parameters = scene.camera, scene.curtain
+    if view.view is None or parameters is None:
+        return view.over(VIEW)
+    if view.view not in VIEWS:
+        raise InputError(f"camera: view {view.view!r}: the curtain hangs in a room, expected {', '.join(VIEWS)}")
+    x, y = np.meshgrid(
+        np.linspace(-0.5, 0.5, 9) * parameters.width, parameters.top - np.linspace(0, parameters.drop, 9)
+    )
+    points = np.stack([x, y, np.full_like(x, parameters.clearance)], -1).reshape(-1, 3)
+    return view.over(
+        view_by_name(view.view, points, scene.size[0] / scene.size[1], view.fov_deg or VIEW.fov_deg, view.ortho)
+    )
 
 
 class CurtainShow:
@@ -82,7 +95,7 @@ class CurtainShow:
         reach = max(
             float(np.abs(self.room.positions).max(initial=0.0)), parameters.width, parameters.top + parameters.drop
         )
-        self.triangles = Triangles(ctx, room + cloth, max(reach, float(np.abs(camera_of(scene).eye).max())))
+        self.triangles = Triangles(ctx, room + cloth, max(reach, camera_of(scene).reach))
         self.triangles.set(0, self.room.positions, material=self.room.material + CLOTH + 1)
         self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
         self.tracer = Tracer(ctx)

@@ -88,8 +88,19 @@ class Drawn:
 class GBuffer:
     """Frames and depth of one surface in one view; `shade` runs a program for each pixel that sees it."""
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], color: moderngl.Texture | None = None):
-        """`color`: the picture that it is shaded into, shared with the other surfaces; None: one of its own."""
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        size: tuple[int, int],
+        color: moderngl.Texture | None = None,
+        parts: tuple[moderngl.Texture, ...] = (),
+    ):
+        """
+        Parameters
+        ----------
+        color : the picture that it is shaded into, shared with the other surfaces; None: one of its own
+        parts : of its light, as inputs/picture/parts.glsl has them; likewise
+        """
         self.ctx, self.size = ctx, size
         self._textures = {name: ctx.texture(size, components, dtype="f4") for name, components in FRAMES.items()}
         self.color = ctx.texture(size, 4, dtype="f4") if color is None else color
@@ -97,11 +108,12 @@ class GBuffer:
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self.depth = depth_texture(ctx, size)
         self.frames = ctx.framebuffer([*self._textures.values()], self.depth)
-        self.target = ctx.framebuffer([self.color], self.depth)
+        self.parts = parts
+        self.target = ctx.framebuffer([self.color, *parts], self.depth)
         self.ray_from_pixel = np.eye(3)
         self._drawn: Drawn | None = None
         self._owns_color = color is None
-        self._parts: dict[bool, tuple[moderngl.Texture, moderngl.Framebuffer, Last[None]]] = {}
+        self._some: dict[bool, tuple[moderngl.Texture, moderngl.Framebuffer, Last[None]]] = {}
 
     # -- drawing -----------------------------------------------------------------------------------------------------
 
@@ -134,7 +146,7 @@ class GBuffer:
                 # A pixel more to either side, for the rasteriser rounds as it likes.
                 below, above = (2.0 * (y / height) - 1.0 for y in (first - 1, first + rows + 1))
                 numbers = np.flatnonzero((high >= below) & (low <= above))
-            program.bind(clip_from_world=clip, eye=wanted.camera.eye)
+            program.bind(clip_from_world=clip, viewpoint=wanted.camera.viewpoint)
             self._draw_band(mesh, program, (0, first, self.size[0], min(rows, height - first)), numbers)
             yield
         self._drawn = wanted
@@ -201,10 +213,14 @@ class GBuffer:
         """What inputs/picture/gbuffer.glsl and gbuffer_point.glsl read."""
         return {**self._textures, "ray_from_pixel": self.ray_from_pixel}
 
+    def defines(self) -> dict[str, int]:
+        """Constants of the programs that shade it."""
+        return {"PARTS": 1} if self.parts else {}
+
     def clear_color(self) -> None:
         """Black, alpha 0, everywhere."""
         self.target.use()
-        self.target.color_mask = (True, True, True, True)
+        self.target.color_mask = _masks(self.target, True)
         self.target.depth_mask = False  # what `draw` left stays
         self.target.clear(0.0, 0.0, 0.0, 0.0)
 
@@ -226,18 +242,18 @@ class GBuffer:
     def part(self, which: bool, choose: Callable[[moderngl.Framebuffer], None], *key: Any) -> moderngl.Framebuffer:
         """The picture with a depth of its own, one of two, that covers some of the pixels: `choose` writes it where the
         key changes."""
-        if which not in self._parts:
+        if which not in self._some:
             depth = depth_texture(self.ctx, self.size)
-            self._parts[which] = depth, self.ctx.framebuffer([self.color], depth), Last()
-        _, target, chosen = self._parts[which]
+            self._some[which] = depth, self.ctx.framebuffer([self.color, *self.parts], depth), Last()
+        _, target, chosen = self._some[which]
         chosen.get(lambda: choose(target), *key)
         return target
 
     def choose(self, target: moderngl.Framebuffer, program: Draw, *inputs: Inputs) -> None:
         """Write the depth of a part of the pixels by a program."""
-        target.color_mask = (False,) * 4
+        target.color_mask = _masks(target, False)
         draw_screen(program, target, self.inputs(), *inputs, depth="written")
-        target.color_mask = (True,) * 4
+        target.color_mask = _masks(target, True)
 
     def read(self) -> np.ndarray:
         """The shaded picture, float32 [H, W, 4], top row first; alpha 1 where covered."""
@@ -254,11 +270,18 @@ class GBuffer:
         # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
         self.ctx.detect_framebuffer(0).use()
         own = [self.color] if self._owns_color else []
-        for framebuffer in (self.frames, self.target, *(target for _, target, _ in self._parts.values())):
+        for framebuffer in (self.frames, self.target, *(target for _, target, _ in self._some.values())):
             framebuffer.release()
-        parts = [depth for depth, *_ in self._parts.values()]
+        parts = [depth for depth, *_ in self._some.values()]
         for texture in (*self._textures.values(), self.depth, *own, *parts):
             texture.release()
+
+
+def _masks(target: moderngl.Framebuffer, written: bool) -> tuple:
+    """Masks of all colours of a framebuffer, as moderngl takes them."""
+    one = (written,) * 4
+    count = len(target.color_attachments)
+    return one if count == 1 else (one,) * count
 
 
 def depth_texture(ctx: moderngl.Context, size: tuple[int, int]) -> moderngl.Texture:

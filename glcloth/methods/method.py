@@ -119,8 +119,8 @@ class Method:
         """Say what rays from the cloth meet; returns what is to be called, in this order, before the draw."""
         return []
 
-    def solids_program(self) -> Draw:
-        """Where it `lights_solids`: the program of passes/picture/lambert.frag, for `inputs` and `passes`."""
+    def solids_program(self, defines: dict[str, Any]) -> Draw:
+        """Where it `lights_solids`: the program of passes/picture/lambert.frag, for `inputs` and `passes`, with more constants."""
         raise NotImplementedError
 
     def radiance(self, shared: SceneBuffers, omega_o: np.ndarray) -> np.ndarray:

@@ -192,11 +192,11 @@ class Reference(Method):
             "bounces": self.bounces,
         }
 
-    def solids_program(self) -> Draw:
+    def solids_program(self, defines: dict[str, Any]) -> Draw:
         """The program that lights what stands about the cloth by the same sum."""
         along = "inputs/visibility/along_ray.glsl" if self.traced else "inputs/visibility/along_everything.glsl"
         virtual = {"lit.glsl": "inputs/visibility/lit_sum.glsl", "along.glsl": along, **self.includes()}
-        return programs(self.ctx).screen("passes/picture/lambert.frag", self.defines(), virtual)
+        return programs(self.ctx).screen("passes/picture/lambert.frag", {**self.defines(), **defines}, virtual)
 
     def passes(self) -> Iterator[dict[str, Any]]:
         """So many directions at a time."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import moderngl
 
-from ..geometry.camera import sample_offsets
+from ..geometry.camera import lens_samples, sample_offsets
 from ..gpu.environment_map import EnvironmentMap
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
@@ -20,13 +20,18 @@ class Background:
         self._map = EnvironmentMap(ctx)
 
     def draw(self, frame: Frame, target: moderngl.Framebuffer) -> None:
-        """Draw the environment of a frame behind its picture, seen through the centres of the pixels' last sample."""
-        offset = sample_offsets(frame.scene.spp)[-1]
-        draw_screen(
-            programs(self.ctx).screen("passes/picture/background.frag"),
-            target,
-            blend="behind",
-            environment_map=self._map.texture(frame.environment),
-            environment_from_world=rotation_y(-frame.scene.env_rotate),
-            ray_from_pixel=frame.camera.ray_from_pixel(target.size, offset),
-        )
+        """Draw the environment of a frame behind its picture, seen through the centres of the pixels' last sample, or through
+        a lens by all samples."""
+        offsets = sample_offsets(frame.scene.spp)
+        blurred = frame.camera.aperture > 0.0
+        cameras = lens_samples(frame.camera, len(offsets)) if blurred else [frame.camera]
+        for camera, offset in zip(cameras, offsets if blurred else offsets[-1:], strict=True):
+            draw_screen(
+                programs(self.ctx).screen("passes/picture/background.frag"),
+                target,
+                blend="behind",
+                environment_map=self._map.texture(frame.environment),
+                environment_from_world=rotation_y(-frame.scene.env_rotate),
+                ray_from_pixel=camera.ray_from_pixel(target.size, offset),
+                weight=1.0 / len(cameras),
+            )

@@ -86,16 +86,16 @@ class ClothSurface(Surface):
         seen = SEEN_ALL if self.visibility.mode == "off" else self.visibility.source
         return {"method.glsl": self.method.source, "seen.glsl": seen, **self.method.includes()}
 
-    @property
-    def program(self) -> Draw:
+    def program(self, buffer: GBuffer) -> Draw:
         """The program that shades the pixels of a G-buffer."""
-        return programs(self.ctx).screen("passes/picture/shade.frag", self.method.defines(), self._virtual())
+        defines = {**self.method.defines(), **buffer.defines()}
+        return programs(self.ctx).screen("passes/picture/shade.frag", defines, self._virtual())
 
-    @property
-    def woven_program(self) -> Draw:
+    def woven_program(self, buffer: GBuffer) -> Draw:
         """As `program`, for pixels that show threads."""
         virtual = {**self._virtual(), "inputs/methods/threads.glsl": "inputs/methods/weave.glsl"}
-        return programs(self.ctx).screen("passes/picture/shade.frag", self.threads.defines(self.method), virtual)
+        defines = {**self.threads.defines(self.method), **buffer.defines()}
+        return programs(self.ctx).screen("passes/picture/shade.frag", defines, virtual)
 
     @property
     def list_program(self) -> Compute:
@@ -115,15 +115,17 @@ class ClothSurface(Surface):
         share = {"pass_weight": weight, "pass_cover": weight / self.pass_count, "pixel_stride": 1}
         inputs = self.inputs(view), share, self.passes[number]
         if not self.threads.shown:
-            buffer.shade(self.program, *inputs, add=add, rows=rows)
+            buffer.shade(self.program(buffer), *inputs, add=add, rows=rows)
             return
         far, near = (self.threads.choose(buffer, which) for which in (False, True))
-        buffer.shade(self.program, *inputs, add=add, rows=rows, part=far)
+        buffer.shade(self.program(buffer), *inputs, add=add, rows=rows, part=far)
         woven = self.threads.inputs(self.method, buffer)
-        buffer.shade(self.woven_program, *inputs, woven, add=add, rows=rows, part=near)
+        buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=near)
 
     def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:
         if self.adaptive_rate is None:
             self.adaptive_rate = AdaptiveRate(self.ctx)
         inputs: Callable[[], Mapping[str, Any]] = lambda: self.inputs(view)  # noqa: E731
-        yield from self.adaptive_rate.steps(buffer, self.program, self.list_program, self._narrowest, inputs, pace)
+        yield from self.adaptive_rate.steps(
+            buffer, self.program(buffer), self.list_program, self._narrowest, inputs, pace
+        )

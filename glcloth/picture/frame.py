@@ -13,13 +13,14 @@ from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view
 from ..geometry.props import Objects, arrange, load_solids
+from ..geometry.views import view_by_name
 from ..gpu.memo import Last
 from ..light.environment import Environment, load_environment, rotation_y
 from ..light.fit import fit_lights
 from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..light.lights_file import load_lights
 from ..methods.settings import Settings
-from ..scene import Scene, load_scene
+from ..scene import Scene, View, load_scene
 from ..visibility.pixels import is_next_pose
 
 
@@ -87,7 +88,7 @@ class Frames:
         cloths: Sequence[Cloth] = (),
         environment: Environment | str | None = None,
         lights: Lights | SphericalGaussians | None = None,
-        camera: Camera | None = None,
+        camera: Camera | View | None = None,
         objects: Objects | None = None,
         **changes: Any,
     ) -> Frame:
@@ -95,6 +96,8 @@ class Frames:
         scene = Scene() if scene is None else load_scene(scene)
         if objects is not None and not isinstance(objects, Objects):
             changes, objects = {**changes, "objects": objects}, None
+        if camera is not None and not isinstance(camera, Camera):
+            changes, camera = {**changes, "camera": camera}, None
         scene = scene.changed(**changes) if changes else scene
         if scene.curtain is not None:
             raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")
@@ -167,11 +170,13 @@ def _settings(scene: Scene, environment: Environment) -> Settings:
 
 
 def default_camera(mesh: Mesh, scene: Scene) -> Camera:
-    """The camera of a scene; missing values are chosen so that the mesh fills the picture."""
-    view, size = scene.camera, scene.size
-    fitted = mesh_camera(mesh, size[0] / size[1])
-    fov_deg = view.fov_deg or fitted.fov_deg
-    return Camera(view.eye or fitted.eye, view.target or fitted.target, view.up, fov_deg)
+    """The camera of a scene; missing values are chosen so that the mesh fills the picture. Raises InputError for a view that
+    neither we nor the mesh's file have."""
+    view, aspect = scene.camera, scene.size[0] / scene.size[1]
+    if view.view is None:
+        return view.over(mesh_camera(mesh, aspect))
+    angle = view.fov_deg or 35.0
+    return view.over(view_by_name(view.view, mesh.positions, aspect, angle, view.ortho, scene.mesh))
 
 
 def mesh_camera(mesh: Mesh, aspect: float) -> Camera:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import moderngl
@@ -11,7 +12,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fabric import Fabric
-from ..geometry.camera import Camera, sample_offsets
+from ..geometry.camera import Camera, lens_samples, sample_offsets
 from ..gpu.context import create_context
 from ..gpu.gbuffer import GBuffer
 from ..light.environment import Environment
@@ -22,6 +23,7 @@ from ..progress import check_stopped
 from ..scene import MethodName, Quality, Scene, View, load_scene
 from .background import Background
 from .frame import Frame, Frames
+from .layers import Gathering, Layers, chosen
 from .pace import Pace
 from .stage import Stage
 from .surface import Surface
@@ -75,8 +77,8 @@ class Renderer:
         """Read the files of a scene and fit its lights. Parameters as for `render`."""
         return self._frames.make(scene, **changes)
 
-    def render(self, scene: Scene | str | None = None, **changes: Any) -> np.ndarray:
-        """Render one picture.
+    def render(self, scene: Scene | str | None = None, *, aovs: str | Iterable[str] = (), **changes: Any) -> Any:
+        """Render one picture, or with `aovs` its layers.
 
         Parameters
         ----------
@@ -86,23 +88,41 @@ class Renderer:
         cloths : several picture.frame.Cloth, each a mesh and its fabric, instead of one
         objects : names and files of meshes that stand about the cloth, or Objects
         lights : Lights or SphericalGaussians in world space instead of a fit of the environment
-        camera : Camera instead of the scene's
+        camera : Camera, or scene.View such as View(view="side", ortho=2.0), instead of the scene's
+        aovs : names of layers for compositing: depth, normal, position, uv, albedo, direct, bounce, transmission, background,
+            mask, cryptomatte; see docs/layers.md
         any other keyword : a field of Scene, for example method="reference", size=(320, 240), spp=4
 
         Returns float32 [H, W, 3], linear Rec. 709, top row first; [H, W, 4] with premultiplied alpha when the
-        background is off. Raises InputError for wrong input, and what the methods raise.
+        background is off; with `aovs` a picture.layers.Layers, a dict of such arrays, the picture as "beauty". Raises
+        InputError for wrong input, and what the methods raise.
         """
         scene = Scene() if scene is None else load_scene(scene)
+        names = chosen(aovs)
         if scene.curtain is not None:
+            if names:
+                raise InputError("aovs: layers are of cloth under an environment; the curtain has its picture alone")
             return self.show(scene, **changes).picture()
-        return self.render_frame(self.prepare(scene, **changes))
+        frame = self.prepare(scene, **changes)
+        return self.render_layers(frame, names) if names else self.render_frame(frame)
+
+    def render_layers(self, frame: Frame, names: Sequence[str]) -> Layers:
+        """Draw a prepared frame with its layers, all pixels shaded; result as for `render` with `aovs`."""
+        if frame.scene.adaptive:
+            frame = replace(frame, scene=frame.scene.model_copy(update={"adaptive": False}))
+        self._last = frame
+        gathering = Gathering(chosen(names), frame)
+        for _ in self.steps(frame, announce=f"{frame.scene.method}: passes over the picture", gathering=gathering):
+            pass
+        picture = self.target.read()
+        return gathering.result(picture[..., :3] if frame.scene.background else picture)
 
     def show(
         self,
         scene: Scene | str,
         *,
         environment: Environment | str | None = None,
-        camera: Camera | None = None,
+        camera: Camera | View | None = None,
         **changes: Any,
     ) -> CurtainShow:
         """The curtain of a scene as it hangs at its frame: its picture, layers and tree. It is this renderer's, and another
@@ -112,7 +132,7 @@ class Renderer:
         if isinstance(environment, str):
             changes["env"], environment = environment, None
         if camera is not None:
-            changes["camera"] = View.of(camera)
+            changes["camera"] = View.of(camera) if isinstance(camera, Camera) else camera
         scene = load_scene(scene).changed(**{name: value for name, value in changes.items() if value is not None})
         if scene.curtain is None:
             raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
@@ -152,22 +172,23 @@ class Renderer:
         rows: Callable[[], int] | None = None,
         announce: str | None = None,
         preview: bool = False,
+        gathering: Gathering | None = None,
     ) -> Iterator[tuple[int, int]]:
         """Draw a frame in steps, for a caller with other things to do in between; together they do what `draw` does,
         bit for bit. Nothing else may be drawn with this renderer before the last step or the iterator's end.
 
-        Parameters: as for Pace; where it is a `preview`, `trace_visibility` makes the shadows complete.
+        Parameters: as for Pace, and `gathering` of layers; where it is a `preview`, `trace_visibility` makes the shadows complete.
 
         Yields (passes finished, passes in all) after each step; the background follows the last one.
         """
         check_stopped()
         pace = Pace(rows, preview, announce)
-        target = self._targets.get(frame.scene.size)
+        target = self._targets.get(frame.scene.size, gathering is not None)
         surfaces = self.stage.take(frame)
         self._target = target
         self._trace(pace)
         passes = max(surface.pass_count for surface in surfaces)
-        samples = sample_offsets(frame.scene.spp)
+        samples, cameras = sample_offsets(frame.scene.spp), lens_samples(frame.camera, frame.scene.spp)
         total = passes * len(samples)
         for job in pace.tracked(self.stage.geometry_jobs(frame), f"{frame.scene.method}: light on the folds"):
             job()
@@ -176,10 +197,16 @@ class Renderer:
         jobs = [(sample, number) for sample in range(len(samples)) for number in range(passes)]
         for done, (sample, number) in enumerate(pace.tracked(jobs, announce or "") if total > 1 else jobs):
             if number == 0:
-                for _ in self._see(target, frame, samples[sample], (sample, len(samples)), pace):
+                for _ in self._see(
+                    target, replace(frame, camera=cameras[sample]), samples[sample], (sample, len(samples)), pace
+                ):
                     yield done, total
+                if gathering is not None:
+                    gathering.see(target, surfaces, cameras[sample], sample)
             for finished in self._shade(target, surfaces, number, 1.0 / len(samples), total > 1, pace):
                 yield done + finished, total
+        if gathering is not None:
+            gathering.shaded(target)
         if frame.scene.background:
             self._background.draw(frame, target.framebuffer)
 

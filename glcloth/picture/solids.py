@@ -108,11 +108,25 @@ class Solids(Surface):
         if self.hiding:
             used = self.mesh.positions[: self._hiding_vertices]
             ranges.append(camera.depth_range(used.min(0), used.max(0)))
-        if (ground := self.objects.ground) is not None:
+        if (ground := self.objects.ground) is not None and camera.ortho is not None:
+            ranges.append(_ground_range(camera, ground.height, float(ground.radii[-1])))
+        elif ground is not None:
             across = np.hypot(camera.eye[0] - ground.center[0], camera.eye[2] - ground.center[1])
             height = abs(camera.eye[1] - ground.height)
             ranges.append((NEAREST * height, 1.01 * float(np.hypot(across + ground.radii[-1], height))))
         return min(near for near, _ in ranges), max(far for _, far in ranges)
+
+    def albedo_at(self, triangles: np.ndarray) -> np.ndarray:
+        return self.triangle_reflectances()[triangles, :3]
+
+    def identities(self, frame: Frame, number: int) -> list[tuple[int, str, str]]:
+        names: list[str] = []
+        for mesh in self.objects.meshes:
+            before = sum(name.split(".")[0] == mesh.name for name in names)
+            names.append(f"{mesh.name}.{before + 1}" if before else mesh.name)
+        counts = [len(mesh.triangles) * share for mesh, share in zip(self.objects.meshes, self._shares, strict=True)]
+        ends = [*np.cumsum(counts).tolist(), len(self.mesh.triangles)]
+        return [(end, name, name) for end, name in zip(ends, [*names, "ground"], strict=True)]
 
     # -- shading -----------------------------------------------------------------------------------------------------
 
@@ -123,15 +137,15 @@ class Solids(Surface):
             return
         method = self._lit_by.method
         if method.lights_solids:
-            program, light = method.solids_program(), {**method.inputs(), **self._lit_by.passes[number]}
+            program, light = method.solids_program(buffer.defines()), {**method.inputs(), **self._lit_by.passes[number]}
         else:
-            program, light = self._program_of_means(), self._means(view)
+            program, light = self._program_of_means(buffer.defines()), self._means(view)
         share = {"pass_weight": weight, "pass_cover": weight / self.pass_count}
         buffer.shade(program, light, {"reflectance_data": self._reflectance_data}, share, add=add, rows=rows)
 
-    def _program_of_means(self) -> Draw:
+    def _program_of_means(self, defines: dict[str, int]) -> Draw:
         virtual = {"lit.glsl": "inputs/visibility/lit_means.glsl"}
-        return programs(self.ctx).screen("passes/picture/lambert.frag", None, virtual)
+        return programs(self.ctx).screen("passes/picture/lambert.frag", defines, virtual)
 
     def _means(self, view: PixelView) -> dict[str, Any]:
         """Gaussians and suns, each as far as it is seen, and the bounced light."""
@@ -143,6 +157,17 @@ class Solids(Surface):
             "everything": mode == "off",
             "bounces": mode == "full" and self._bounces,
         }
+
+
+def _ground_range(camera: Camera, height: float, radius: float) -> tuple[float, float]:
+    """Near and far distance of a ground that parallel rays meet."""
+    toward = camera.ray_from_pixel((2, 1))[:, 2]
+    origins = camera.origin_from_pixel((2, 1)) @ np.array([[x, y, 1.0] for x in (0, 2) for y in (0, 1)]).T
+    if toward[1] > -1e-6:
+        return np.inf, 0.0  # none does
+    t = (height - origins[1]) / toward[1]
+    far = max(min(1.05 * float(t.max()), 2.0 * (radius + camera.reach)), 1e-6)
+    return max(0.95 * float(t.min()), 1e-3 * far), far
 
 
 def _joined(meshes: list[Mesh]) -> Mesh:

@@ -15,6 +15,7 @@ from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..visibility.hit_vertices import HitSurface
 from ..visibility.pixels import PixelView, PixelVisibility
+from .frame import Frame
 from .pace import Pace
 
 
@@ -66,6 +67,18 @@ class Surface(ABC):
     def reflectance(self) -> np.ndarray:
         """How much of the light that comes evenly from everywhere goes back: [3], or [V, 4] of each vertex; the same
         array while nothing changes."""
+
+    def albedo_at(self, triangles: np.ndarray) -> np.ndarray:
+        """The share of even light [3] or [N, 3] that goes back where triangles [N] are seen."""
+        return np.asarray(self.reflectance)[:3]
+
+    def identities(self, frame: Frame, number: int) -> list[tuple[int, str, str]]:
+        """The things that it shows: for each the last of its triangles + 1, its name and that of its material; `number`: its
+        own among the surfaces of a frame."""
+        cloth = frame.cloths[number]
+        before = sum(other.mesh.name == cloth.mesh.name for other in frame.cloths[:number])
+        name = f"{cloth.mesh.name}.{before + 1}" if before else cloth.mesh.name
+        return [(len(self.mesh.triangles), name, cloth.fabric.name)]
 
     def depth_range(self, camera: Camera) -> tuple[float, float]:
         """Near and far distance of all that may be seen of it."""

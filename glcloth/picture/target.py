@@ -14,6 +14,7 @@ from ..gpu.gbuffer import DepthOrder, Drawn, GBuffer
 from ..visibility.pixels import PixelView
 from .surface import Surface
 
+LIGHT_PARTS = ("bounce", "transmission")
 KEPT_SIZES = 3  # pictures that stay when the size changes, so that a window can change between two
 
 
@@ -25,12 +26,14 @@ class Part(NamedTuple):
 
 
 class Target:
-    """A colour texture, and a part for each surface."""
+    """A colour texture, and a part for each surface; with `parted`, more textures for parts of the light."""
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int]):
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int], parted: bool = False):
         self.ctx, self.size = ctx, size
-        self.color = ctx.texture(size, 4, dtype="f4")
-        self.color.filter = moderngl.NEAREST, moderngl.NEAREST
+        self.color, *light = (ctx.texture(size, 4, dtype="f4") for _ in range(1 + len(LIGHT_PARTS) * parted))
+        self.light = tuple(light)  # LIGHT_PARTS, as inputs/picture/parts.glsl has them
+        for texture in (self.color, *light):
+            texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self.framebuffer = ctx.framebuffer([self.color])
         self._parts: dict[Surface, Part] = {}
         self._order: DepthOrder | None = None
@@ -38,7 +41,7 @@ class Target:
     def part(self, surface: Surface) -> Part:
         """The part of a surface, made at first use."""
         if surface not in self._parts:
-            buffer = GBuffer(self.ctx, self.size, self.color)
+            buffer = GBuffer(self.ctx, self.size, self.color, self.light)
             self._parts[surface] = Part(buffer, PixelView(surface.visibility, buffer))
         return self._parts[surface]
 
@@ -76,10 +79,13 @@ class Target:
         """Black, alpha 0, everywhere."""
         self.framebuffer.use()
         self.framebuffer.clear(0.0, 0.0, 0.0, 0.0)
+        for texture in self.light:
+            texture.write(bytes(16 * self.size[0] * self.size[1]))
 
-    def read(self) -> np.ndarray:
-        """The picture, float32 [H, W, 4], top row first; alpha: how much of a pixel is covered."""
-        data = np.frombuffer(self.color.read(), "f4").reshape(self.size[1], self.size[0], 4)
+    def read(self, part: str = "") -> np.ndarray:
+        """The picture, float32 [H, W, 4], top row first; alpha: how much of a pixel is covered. Or a part of its light."""
+        texture = self.light[LIGHT_PARTS.index(part)] if part else self.color
+        data = np.frombuffer(texture.read(), "f4").reshape(self.size[1], self.size[0], 4)
         return data[::-1].copy()
 
     def release(self) -> None:
@@ -91,7 +97,8 @@ class Target:
             self._order.release()
         self.ctx.detect_framebuffer(0).use()
         self.framebuffer.release()
-        self.color.release()
+        for texture in (self.color, *self.light):
+            texture.release()
 
 
 class Targets:
@@ -99,17 +106,17 @@ class Targets:
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
-        self._targets: dict[tuple[int, int], Target] = {}  # the one used last is the last
+        self._targets: dict[tuple, Target] = {}  # the one used last is the last
 
-    def get(self, size: tuple[int, int]) -> Target:
-        """The target of a size. Raises InputError where OpenGL cannot draw so large."""
+    def get(self, size: tuple[int, int], parted: bool = False) -> Target:
+        """The target of a size, with parts of the light if asked for. Raises InputError where OpenGL cannot draw so large."""
         limit = self.ctx.info["GL_MAX_TEXTURE_SIZE"]
         if max(size) > limit:
             raise InputError(f"size {size[0]}x{size[1]}: this OpenGL draws at most {limit} pixels a side; choose less")
-        target = self._targets.pop(size, None)
+        target = self._targets.pop((size, parted), None)
         if target is None:
             while len(self._targets) >= KEPT_SIZES:
                 self._targets.pop(next(iter(self._targets))).release()
-            target = Target(self.ctx, size)
-        self._targets[size] = target
+            target = Target(self.ctx, size, parted)
+        self._targets[size, parted] = target
         return target

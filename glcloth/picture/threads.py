@@ -72,7 +72,8 @@ class Threads:
             "thread_points": mesh.vertices,
             "thread_corners": mesh.indices,
             "thread_uv": self._uv,
-            "eye": buffer.drawn.camera.eye,
+            "viewpoint": buffer.drawn.camera.viewpoint,
+            "step_from_pixel": buffer.drawn.camera.step_from_pixel(buffer.size),
         }
 
     def choose(self, buffer: GBuffer, near: bool) -> moderngl.Framebuffer:
@@ -99,7 +100,10 @@ class Threads:
 def least_footprint(frame: Frame, buffers: MeshBuffers) -> float:
     """Metres of cloth that a pixel covers at least on its shorter side, wherever the mesh may be in its box."""
     eye, (width, height) = np.asarray(frame.camera.eye), frame.scene.size
+    if frame.camera.ortho is not None:
+        return frame.camera.ortho / height
     distance = float(np.linalg.norm(np.maximum(np.maximum(buffers.low - eye, eye - buffers.high), 0.0)))
+    distance = max(distance - 0.5 * frame.camera.aperture, 0.0)
     rays = frame.camera.ray_from_pixel((width, height))
     corners = rays @ np.array([[x, y, 1.0] for x in (0, width) for y in (0, height)]).T
     # A ray at the picture's corner is longer, and its pixel, seen along it, smaller.

@@ -43,7 +43,7 @@ def draw_layers(
         canvas.clear(background)
         program = programs(ctx).draw("passes/tracing/layers.vert", "passes/tracing/layers.frag")
         clip_from_world = camera.clip_from_world(size, near, far)
-        program.bind(inputs, order=order, clip_from_world=clip_from_world, eye=camera.eye)
+        program.bind(inputs, order=order, clip_from_world=clip_from_world, viewpoint=camera.viewpoint)
         if len(solid):
             canvas.draw(program, moderngl.TRIANGLES, 3 * len(solid))
         if len(layers):

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from ..errors import InputError
 from ..fabric import Fabric, Transmission
-from ..geometry.camera import Camera, sample_offsets
+from ..geometry.camera import Camera, lens_samples, sample_offsets
 from ..light.environment import Environment
 from .lamp import Lighting
 
@@ -66,6 +66,11 @@ class Shot:
     def samples(self) -> Sequence[tuple[float, float]]:
         """Where in the pixel the samples lie."""
         return self.offsets or sample_offsets(self.settings.spp)
+
+    @property
+    def cameras(self) -> Sequence[Camera]:
+        """The camera of each sample: the point of the lens that it goes through."""
+        return lens_samples(self.camera, len(self.samples))
 
     @property
     def transmission(self) -> Transmission:

@@ -103,7 +103,7 @@ class Tracer:
         """
         positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
         scale = float(np.abs(positions).max(initial=1e-3))
-        triangles = Triangles(self.ctx, len(positions), max(scale, _largest(shot.camera.eye)))
+        triangles = Triangles(self.ctx, len(positions), max(scale, shot.camera.reach))
         triangles.set(0, positions, normals, tangents, material)
         try:
             self.set_scene(triangles, materials)
@@ -144,7 +144,10 @@ class Tracer:
         picture = Picture(shot, structure, inputs, self.picture, self.statistics)
         self.picture.write(bytes(16 * width * height))
         done = 0
-        for sample in range(len(shot.samples)):
+        for sample, camera in enumerate(shot.cameras):
+            inputs.update(
+                origin_from_pixel=camera.origin_from_pixel(shot.size), ray_from_pixel=camera.ray_from_pixel(shot.size)
+            )
             for tile in _tiles(width, height, pixels or self._tile_pixels):
                 self._rays.trace(picture, tile, sample)
                 self.statistics.total_ms += 1000 * (time.perf_counter() - begin)
@@ -181,13 +184,11 @@ class Tracer:
 
     def _way_inputs(self, shot: Shot) -> dict[str, Any]:
         """More inputs of the passes of `rays`: where rays begin and end, and the background beyond the scene."""
-        padding, eye = self.triangles.padding, shot.camera.eye
+        padding = self.triangles.padding
         scale = padding / PADDING
         sky = {} if shot.environment is None else {"environment_map": self._environment.texture(shot.environment)}
         return {
-            "eye": eye,
-            "ray_from_pixel": shot.camera.ray_from_pixel(shot.size),
-            "far": 4.0 * (scale + _largest(eye)) * 3**0.5,
+            "far": 4.0 * (scale + shot.camera.reach) * 3**0.5,
             # The scene lies within `scale` of the middle along each axis: this far from any of its points is outside.
             "beyond": 2 * 3**0.5 * scale,
             "offset": OFF * padding,
@@ -204,10 +205,6 @@ class Tracer:
             thing.release()
         for structure in self._structures.values():
             structure.release()
-
-
-def _largest(vector: tuple[float, float, float]) -> float:
-    return float(np.abs(vector).max())
 
 
 def _tiles(width: int, height: int, pixels: Callable[[], int]) -> Iterator[Tile]:

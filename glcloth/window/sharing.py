@@ -15,7 +15,7 @@ from ..fields import entries
 from ..files import read_toml
 from ..image import read_settings
 from ..light.lights_file import FORMAT
-from ..scene import CurtainParameters, Scene
+from ..scene import CurtainParameters, Scene, View
 
 MESHES = (".obj", ".ply", ".glb", ".gltf")
 KINDS = {".hdr": "env", ".png": "scene", ".json": "lights", **dict.fromkeys(MESHES, "mesh")}
@@ -51,13 +51,14 @@ def at_frame(scene: Scene, frame: int) -> Scene:
 def as_command(scene: Scene, output: str = "picture.png", frame: int = 0) -> str:
     """A shell command that renders the scene; values without an option travel as a scene file in it."""
     data = at_frame(scene, frame).differences()
-    table = data.pop("curtain", None)
-    options = {e.name: e.option for model in (Scene, CurtainParameters) for e in entries(model)} | {"frame": "--frame"}
+    table, camera = data.pop("curtain", None), data.pop("camera", {})
+    options = {e.name: e.option for model in (Scene, View, CurtainParameters) for e in entries(model)}
+    options["frame"] = "--frame"
     if isinstance(scene.fabric, Fabric) or not all(options[name] for name in (*data, *(table or ()))):
-        data |= {} if table is None else {"curtain": table}
+        data |= ({} if table is None else {"curtain": table}) | ({"camera": camera} if camera else {})
         return f"cat > scene.toml <<'END'\n{tomli_w.dumps(data)}END\nglcloth render scene.toml -o {output}\n"
     words = ["glcloth", "render", *(["curtain"] if table is not None else []), "-o", output]
-    for name, value in (data | (table or {})).items():
+    for name, value in (data | camera | (table or {})).items():
         words += _words(name, options[name], value)
     return shlex.join(words) + "\n"
 

@@ -30,7 +30,7 @@ def test_every_field_says_what_it_is(model):
 
 
 def test_options_are_fields():
-    wanted = [entry.name for model in (Scene, CurtainParameters) for entry in entries(model) if entry.option]
+    wanted = [entry.name for model in (Scene, View, CurtainParameters) for entry in entries(model) if entry.option]
     assert [field.name for field in dataclasses.fields(SceneOptions)] == wanted
     assert tuple(VIEW_TRANSFORMS) == entries(Scene, ("view_transform",))[0].choices
 

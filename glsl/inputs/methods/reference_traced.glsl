@@ -16,7 +16,12 @@ vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
         vec3 omega_i = surface_from_world * direction.xyz;
         if (omega_i.z <= 0.0) continue;
         vec3 flux = flux_along(origin, direction, texelFetch(direction_data, 2 * d + 1));
-        if (flux != vec3(0.0)) sum += flux * f_cloth(omega_i, omega_o);
+        if (flux == vec3(0.0)) continue;
+        vec3 L = flux * f_cloth(omega_i, omega_o);
+        sum += L;
+#ifdef PARTS
+        if (came_back) L_bounce += L;
+#endif
     }
     return sum;
 }

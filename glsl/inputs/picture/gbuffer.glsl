@@ -1,7 +1,7 @@
 // Reading the G-buffer that passes/picture/surface.frag fills, and the rays of the camera.
 uniform sampler2D frame_N;
 uniform sampler2D frame_x;
-uniform mat3 ray_from_pixel;  // direction from the eye = ray_from_pixel * (pixel centre x, y from below, 1), not unit
+uniform mat3 ray_from_pixel;  // direction of a ray = ray_from_pixel * (pixel centre x, y from below, 1), not unit
 
 // The rows x, y, N.
 mat3 surface_from_world_at(ivec2 pixel) {

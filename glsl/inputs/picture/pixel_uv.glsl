@@ -6,7 +6,8 @@
 uniform samplerBuffer thread_points;    // of the mesh, three texels a vertex: the first is the position
 uniform isamplerBuffer thread_corners;  // three a triangle
 uniform samplerBuffer thread_uv;        // of each vertex, metres
-uniform vec3 eye;
+uniform vec4 viewpoint;        // (eye, 1), or of parallel rays (direction toward the camera, 0)
+uniform mat3 step_from_pixel;  // how a ray changes to the next pixel: its direction, or of parallel rays its origin
 
 struct PixelUv {
     vec2 uv;
@@ -23,9 +24,9 @@ PixelUv pixel_uv(ivec2 pixel) {
     vec2 uv_b = texelFetch(thread_uv, j).xy - uv, uv_c = texelFetch(thread_uv, k).xy - uv;
     vec3 w = weights_at(pixel);
     vec3 d = ray_from_pixel * vec3(vec2(pixel) + 0.5, 1.0);
-    float t = length(a + w.y * b + w.z * c - eye) / length(d);
+    float t = viewpoint.w > 0.0 ? length(a + w.y * b + w.z * c - viewpoint.xyz) / length(d) : 1.0;
     vec3 n = cross(b, c);
     n *= inversesqrt(max(dot(n, n), 1e-30));
-    vec3 x = place_step(d, ray_from_pixel[0], n, t), y = place_step(d, ray_from_pixel[1], n, t);
+    vec3 x = place_step(d, step_from_pixel[0], n, t), y = place_step(d, step_from_pixel[1], n, t);
     return PixelUv(uv + w.y * uv_b + w.z * uv_c, uv_step(x, b, c, uv_b, uv_c), uv_step(y, b, c, uv_b, uv_c));
 }

@@ -23,5 +23,8 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         E += sun.E * (V_number(pixel, sun_number + s) * max(dot(N, sun.omega), 0.0));
     }
     if (bounces) E += PI * texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb;
+#ifdef PARTS
+    if (bounces) L_bounce = PI * texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb;
+#endif
     return max(E, vec3(0.0));
 }

@@ -12,7 +12,11 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         vec4 direction = texelFetch(direction_data, 2 * d);
         float cos_theta = dot(direction.xyz, N);
         if (cos_theta <= 0.0) continue;
-        E += cos_theta * flux_along(origin, direction, texelFetch(direction_data, 2 * d + 1));
+        vec3 flux = flux_along(origin, direction, texelFetch(direction_data, 2 * d + 1));
+        E += cos_theta * flux;
+#ifdef PARTS
+        if (came_back) L_bounce += cos_theta * flux;
+#endif
     }
     return E;
 }

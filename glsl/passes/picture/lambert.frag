@@ -1,17 +1,25 @@
 #version 430
 // Shades the objects and the ground where they are seen: Lambertians that get the light of "lit.glsl".
 #include "core/math.glsl"
+#ifdef PARTS
+#include "inputs/picture/parts.glsl"
+#endif
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 #include "lit.glsl"
 #include "inputs/visibility/reflectance.glsl"
 uniform float pass_weight;    // share of this sample in the pixel
 uniform float pass_cover;     // this pass's part of the pixel's coverage
-out vec4 color;
+layout(location = 0) out vec4 color;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 N = texelFetch(frame_N, pixel, 0).xyz;
-    vec3 L = texelFetch(reflectance_data, triangle_at(pixel)).rgb / PI * irradiance(pixel, N);
+    vec3 radiance_per_irradiance = texelFetch(reflectance_data, triangle_at(pixel)).rgb / PI;
+    vec3 L = radiance_per_irradiance * irradiance(pixel, N);
     color = vec4(L * pass_weight, pass_cover);
+#ifdef PARTS
+    bounce_color = vec4(radiance_per_irradiance * L_bounce * pass_weight, 0.0);
+    through_color = vec4(radiance_per_irradiance * L_through * pass_weight, 0.0);
+#endif
 }

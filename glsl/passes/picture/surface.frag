@@ -7,7 +7,7 @@ in vec3 position;
 in vec3 normal;
 in vec3 tangent;
 flat in float handedness;
-uniform vec3 eye;
+uniform vec4 viewpoint;  // (eye, 1), or of parallel rays (direction toward the camera, 0)
 uniform samplerBuffer vertex_data;   // three texels a vertex: position and normal, each with a lift; tangent
 uniform isamplerBuffer corner_index;  // three a triangle
 uniform isamplerBuffer triangle_number;  // of each that is drawn: all, or those of a band
@@ -24,7 +24,7 @@ layout(location = 3) out vec2 frame_b;  // barycentric coordinates of the triang
 const float OFFSET = 0.02;  // of the triangle's size: how far rays start from it
 
 void main() {
-    vec3 omega_o = normalize(eye - position);
+    vec3 omega_o = normalize(viewpoint.xyz - viewpoint.w * position);
     float side = gl_FrontFacing ? 1.0 : -1.0;
     // The triangle's own cosine is the least that is true. Where even that is below 0.1 the smooth normal may stop at it;
     // a fold's rim beyond 0.1 is thinner than a pixel for any fold of less than 200 pixels' radius.

@@ -2,14 +2,14 @@
 // The rasterised picture: every surface in the lamp's light without shadows; cloth covers others behind it by the share
 // that does not pass straight on.   [Mat section 3, figure 2]
 #include "inputs/tracing/local_light.glsl"
-uniform vec3 eye;
+uniform vec4 viewpoint;  // (eye, 1), or of parallel rays (direction toward the camera, 0)
 in vec3 p;
 in vec3 weights;
 flat in int triangle;
 out vec4 color;
 
 void main() {
-    vec3 o = normalize(eye - p);
+    vec3 o = normalize(viewpoint.xyz - viewpoint.w * p);
     Surface s = surface_at(triangle, weights.yz, o);
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = o * world_from_surface;
