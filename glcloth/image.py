@@ -6,15 +6,10 @@ OpenEXR has it); PNG files keep unmultiplied colours, as their standard asks.
 
 from __future__ import annotations
 
-import contextlib
 import io
 import json
-import os
 import struct
-import sys
-import tempfile
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,27 +17,42 @@ import numpy as np
 
 from .color import srgb_decode, view
 from .errors import InputError
-from .files import MOST_TEXT, atomic_write, check_writable, read_json
+from .files import MOST_TEXT, atomic_write, check_writable, read_bytes, read_json
+from .formats.common import broken, check_pixels, silence
+from .formats.exr import open_exr, read_exr
+from .formats.radiance import read_radiance
 
 READABLE = (".exr", ".hdr", ".png", ".jpg", ".jpeg")
 WRITABLE = (".exr", ".png")
 SETTINGS_KEY = "glcloth"
 HALF_MAX = 65504.0
+MOST_BYTES = 1 << 30  # of a Radiance file
 
 
-def read_image(path: str | Path) -> np.ndarray:
+def read_image(path: str | Path, layer: str = "") -> np.ndarray:
     """Read a picture as float32 [H, W, 3] or [H, W, 4] (when it has alpha), linear Rec. 709.
 
-    OpenEXR (half, float or integer channels in any order, layers, several parts, luminance with or without
-    chroma, tiles), Radiance .hdr, PNG and JPEG (8 or 16 bits, decoded with the sRGB curve). Samples are returned
-    as they are, infinities included. Raises InputError when the file is missing, empty, cut short, of another
-    kind, or of an unknown suffix.
+    OpenEXR (half, float or integer channels in any order, layers, several parts, luminance with or without chroma,
+    tiles, other chromaticities), Radiance .hdr (all orientations and codes, exposure divided out), PNG and JPEG (8 or 16
+    bits, decoded with the sRGB curve). Samples are returned as they are, infinities included.
+
+    layer : of an OpenEXR file with several, the one to read; "": the picture proper
+
+    Raises InputError when the file is missing, empty, cut short, too large, of another kind, of an unknown suffix, or
+    without such a layer.
     """
     path = _existing(path, READABLE)
     suffix = path.suffix.lower()
     _check_magic(path, suffix)
-    read = {".exr": _read_exr, ".hdr": _read_hdr}.get(suffix, _read_display)
-    image = np.ascontiguousarray(read(path), np.float32)
+    if layer and suffix != ".exr":
+        raise InputError(f"{path}: layer {layer}: only OpenEXR files have layers; leave it out")
+    if suffix == ".exr":
+        image = read_exr(path, layer)
+    elif suffix == ".hdr":
+        image = read_radiance(path, read_bytes(path, MOST_BYTES))
+    else:
+        image = _read_display(path)
+    image = np.ascontiguousarray(image, np.float32)
     if image.ndim != 3 or 0 in image.shape:
         raise InputError(f"{path}: holds no pixels, expected a picture; save it again")
     return image
@@ -108,7 +118,7 @@ def read_settings(path: str | Path) -> dict | None:
     suffix = path.suffix.lower()
     _check_magic(path, suffix)
     if suffix == ".exr":
-        header = _open_exr(path, header_only=True)[0].header
+        header = open_exr(path, header_only=True)[0].header
         text = header.get(SETTINGS_KEY)
     elif suffix == ".png":
         text = _with_pillow(path, lambda picture: getattr(picture, "text", {}).get(SETTINGS_KEY))
@@ -172,122 +182,7 @@ def _check_magic(path: Path, suffix: str) -> None:
         raise InputError(f"{path}: is not {kind} although its name ends in {suffix}; {remedy}")
 
 
-def _broken(path: Path, reason: str = "damaged or cut short") -> InputError:
-    return InputError(f"{path}: cannot be decoded, {reason}; copy or save it again")
-
-
-@contextlib.contextmanager
-def _silence() -> Iterator[None]:
-    """Send output of C++ libraries to a scratch file: a user sees our one line and no other."""
-    try:
-        sys.stdout.flush()
-        sys.stderr.flush()
-    except (AttributeError, ValueError, OSError):
-        pass
-    with tempfile.TemporaryFile() as scratch, contextlib.ExitStack() as stack:
-        for descriptor in (1, 2):
-            try:
-                saved = os.dup(descriptor)
-            except OSError:
-                continue
-            stack.callback(os.close, saved)
-            stack.callback(os.dup2, saved, descriptor)
-            os.dup2(scratch.fileno(), descriptor)
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
-            yield
-
-
 # OpenEXR ----------------------------------------------------------------------------------------------------------
-
-
-def _open_exr(path: Path, header_only: bool = False) -> list:
-    """Parts of an OpenEXR file, with separate channels."""
-    import OpenEXR
-
-    try:
-        with _silence():
-            file = OpenEXR.File(str(path), separate_channels=True, header_only=header_only)
-            parts = list(file.parts)
-    except (RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError, MemoryError):
-        raise _broken(path) from None
-    if not parts:
-        raise _broken(path)
-    return parts
-
-
-def _read_exr(path: Path) -> np.ndarray:
-    for part in _open_exr(path):
-        found = _color_channels(part.channels)
-        if found is not None:
-            break
-    else:
-        raise InputError(f"{path}: no part has R, G, B or Y channels, expected a colour picture; export one")
-    try:
-        planes = {role: _full_size(channel) for role, channel in found.items()}
-    except (AttributeError, ValueError):
-        raise _broken(path, "its pixels are deep or missing") from None
-    if "Y" in planes:
-        planes |= _rgb_from_luminance_chroma(planes, part.header)
-    order = [planes[role] for role in "RGBA" if role in planes]
-    if len({plane.shape for plane in order}) != 1:
-        raise _broken(path, "its channels differ in size")
-    return _in_display_window(np.stack(order, -1).astype(np.float32), part.header)
-
-
-def _color_channels(channels: dict) -> dict | None:
-    """Map roles R G B A (or Y RY BY A) to channels; layers carry a prefix such as "ViewLayer.Combined."."""
-    layers: dict[str, dict] = {}
-    for name, channel in channels.items():
-        prefix, _, role = name.rpartition(".")
-        layers.setdefault(prefix, {})[role.upper()] = channel
-    for wanted in (("R", "G", "B", "A"), ("Y", "RY", "BY", "A")):
-        needed = wanted[:3] if wanted[0] == "R" else wanted[:1]
-        # The unnamed layer is the picture proper; then the order of the file.
-        for prefix in sorted(layers, key=lambda name: (name != "", "." in name and "combined" not in name.lower())):
-            if all(role in layers[prefix] for role in needed):
-                return {role: layers[prefix][role] for role in wanted if role in layers[prefix]}
-    return None
-
-
-def _full_size(channel) -> np.ndarray:
-    pixels = np.asarray(channel.pixels)
-    if pixels.dtype == object or pixels.ndim != 2:
-        raise ValueError
-    plane = pixels.astype(np.float32)
-    if channel.xSampling > 1 or channel.ySampling > 1:
-        plane = np.repeat(np.repeat(plane, channel.ySampling, 0), channel.xSampling, 1)
-    return plane
-
-
-def _rgb_from_luminance_chroma(planes: dict, header: dict) -> dict:
-    """RY = (R - Y) / Y and BY = (B - Y) / Y   ["Technical Introduction to OpenEXR", Luminance/Chroma Images]"""
-    Y = planes["Y"]
-    if "RY" not in planes or "BY" not in planes:
-        return {"R": Y, "G": Y, "B": Y}
-    height, width = Y.shape
-    R = (planes["RY"][:height, :width] + 1) * Y
-    B = (planes["BY"][:height, :width] + 1) * Y
-    w_R, w_G, w_B = 0.2126, 0.7152, 0.0722
-    return {"R": R, "G": (Y - w_R * R - w_B * B) / w_G, "B": B}
-
-
-def _in_display_window(image: np.ndarray, header: dict) -> np.ndarray:
-    """Place the stored pixels in the display window: cropped files keep their place, overscan is cut."""
-    try:
-        (x_0, y_0), (x_1, y_1) = (np.asarray(corner, int) for corner in header["displayWindow"])
-        left, top = (int(value) for value in header["dataWindow"][0])
-    except (KeyError, TypeError, ValueError):
-        return image
-    width, height = x_1 - x_0 + 1, y_1 - y_0 + 1
-    if (left, top) == (x_0, y_0) and image.shape[:2] == (height, width):
-        return image
-    canvas = np.zeros((height, width, image.shape[2]), image.dtype)
-    dy, dx = top - y_0, left - x_0
-    rows = slice(max(dy, 0), min(dy + image.shape[0], height))
-    columns = slice(max(dx, 0), min(dx + image.shape[1], width))
-    if rows.start < rows.stop and columns.start < columns.stop:
-        canvas[rows, columns] = image[rows.start - dy : rows.stop - dy, columns.start - dx : columns.stop - dx]
-    return canvas
 
 
 def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool, layers: Any = None) -> None:
@@ -304,14 +199,14 @@ def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool, laye
         header |= layers.attributes()
         channels |= {name: np.ascontiguousarray(plane, np.float32) for name, plane in layers.channels().items()}
     try:
-        with _silence():
+        with silence():
             with OpenEXR.File(header, channels) as file:
                 file.write(str(path))
     except (RuntimeError, ValueError) as error:
         raise InputError(f"{path.parent}: the picture cannot be written there ({error}); is the disk full?") from None
 
 
-# Radiance ---------------------------------------------------------------------------------------------------------
+# PNG and JPEG -----------------------------------------------------------------------------------------------------
 
 
 def _with_oiio(path: Path, unassociated: bool = False) -> np.ndarray:
@@ -321,7 +216,7 @@ def _with_oiio(path: Path, unassociated: bool = False) -> np.ndarray:
     config = OpenImageIO.ImageSpec()
     if unassociated:
         config["oiio:UnassociatedAlpha"] = 1
-    with _silence():
+    with silence():
         file = OpenImageIO.ImageInput.open(str(path), config)
         pixels = file.read_image("float") if file else None
         # Unread messages would be printed by the library when it is unloaded.
@@ -330,15 +225,8 @@ def _with_oiio(path: Path, unassociated: bool = False) -> np.ndarray:
             file.geterror()
             file.close()
     if pixels is None or np.ndim(pixels) != 3:
-        raise _broken(path)
+        raise broken(path)
     return pixels
-
-
-def _read_hdr(path: Path) -> np.ndarray:
-    return _with_oiio(path)[..., :3]
-
-
-# PNG and JPEG -----------------------------------------------------------------------------------------------------
 
 
 def _with_pillow(source: Path | bytes, use):
@@ -349,18 +237,23 @@ def _with_pillow(source: Path | bytes, use):
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
+            size = len(source) if isinstance(source, bytes) else source.stat().st_size
             with Image.open(io.BytesIO(source) if isinstance(source, bytes) else source) as picture:
+                check_pixels(path, *picture.size, size)
                 picture.load()
                 return use(picture)
+    except InputError:
+        raise
     except Image.DecompressionBombError:
         raise InputError(f"{path}: has too many pixels (over 178 million); give a smaller picture") from None
     except (OSError, ValueError, SyntaxError, struct.error, IndexError, EOFError):
-        raise _broken(path) from None
+        raise broken(path) from None
 
 
 def _read_display(path: Path) -> np.ndarray:
     if path.suffix.lower() == ".png" and _png_bit_depth(path) == 16:
         # Pillow would cut 16-bit colours to 8 bits.
+        check_pixels(path, *_png_size(path), path.stat().st_size)
         code = _with_oiio(path, unassociated=True)
         if code.shape[-1] <= 2:
             code = np.concatenate([np.repeat(code[..., :1], 3, -1), code[..., 1:]], -1)
@@ -380,6 +273,11 @@ def _codes(picture) -> np.ndarray:
 def decode_codes(source: Path | bytes) -> np.ndarray:
     """The code values [H, W, 3 or 4] in 0 to 1 of a PNG or JPEG file, or of its bytes. Raises InputError."""
     return _with_pillow(source, _codes)
+
+
+def _png_size(path: Path) -> tuple[int, int]:
+    with open(path, "rb") as file:
+        return struct.unpack(">II", (file.read(24) + bytes(24))[16:24])
 
 
 def _png_bit_depth(path: Path) -> int:

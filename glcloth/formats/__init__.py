@@ -1,0 +1,1 @@
+"""Picture files of scene light: OpenEXR and Radiance."""
