@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
+from ..formats.exr import is_cube
 from ..image import READABLE, read_image
 from ..progress import warn
 from . import cubemap, equirect
 from .equirect import direction_from_uv, uv_from_direction
+from .layouts import as_equirect, guessed
 from .lights import Lights, SphericalGaussians, Suns, as_lights
 from .skies import BUILT_IN
 
@@ -57,14 +59,36 @@ class Environment:
         radiance.setflags(write=False)
         object.__setattr__(self, "radiance", radiance)
 
+    @classmethod
+    def from_array(cls, radiance: np.ndarray, *, name: str = "array") -> Environment:
+        """Return an environment of an array, its unusable samples replaced as those of a file are.
+
+        radiance : [H, W, 3] linear Rec. 709, equirectangular: row 0 is the zenith (+y), the middle column looks along
+            +z, u grows toward -x there; twice as wide as high, else it is stretched, with a warning
+
+        The array is copied. Not-a-number and negative samples become 0, infinite ones the largest usable value, with one
+        warning. Raises InputError for another shape, other kinds than numbers, and where every sample is 0.
+        """
+        try:
+            array = np.array(radiance)
+        except ValueError:
+            array = np.zeros(0)
+        if array.dtype.kind not in "iuf":
+            raise InputError(f"{name}: array of {array.dtype}, expected numbers")
+        with np.errstate(over="ignore"):
+            return from_array(name, array.astype(np.float32))
+
     @property
     def mean(self) -> np.ndarray:
         """Mean radiance [3] over the sphere."""
         return equirect.total(self.radiance) / (4 * np.pi)
 
 
-def load_environment(name_or_path: str | Path) -> Environment:
+def load_environment(name_or_path: str | Path, layer: str = "", layout: str = "auto") -> Environment:
     """Load a built-in environment (`studio`, `sky`) or a map from a file (.exr, .hdr; .png and .jpg with a warning).
+
+    layer : of an OpenEXR file with several; "": the picture proper
+    layout : equirect, cross, strip (cube maps), angular, mirror (balls); auto: by the shape (see layouts.py)
 
     Samples that are no light (not a number, negative, infinite) are replaced and reported in one warning. Raises
     InputError on an unknown name (with a suggestion), an unreadable file or a black map.
@@ -83,7 +107,12 @@ def load_environment(name_or_path: str | Path) -> Environment:
         raise InputError(
             f"{path}: cannot read {path.suffix or 'a file without suffix'} as an environment, expected .exr or .hdr"
         )
-    return from_array(path.name, read_image(path)[..., :3], source=str(path))
+    image = read_image(path, layer)[..., :3]
+    if layout == "auto":
+        layout = guessed(image, path.suffix.lower() == ".exr" and is_cube(path))
+        if layout != "equirect":
+            warn(f"{path}: taken as a map of the layout {layout}; if it is none, choose by --env-layout")
+    return from_array(path.name, as_equirect(image, layout, str(path)), source=str(path))
 
 
 @lru_cache(maxsize=2)
