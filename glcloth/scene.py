@@ -171,7 +171,11 @@ class Scene(Value):
         "m", "height of a ground; alone or auto: just under the lowest point; or off", default="off")
     ground_color: tuple[Share, Share, Share] = cloth(
         "linear Rec. 709", "what the ground reflects, R,G,B", default=(0.3, 0.3, 0.3))
-    env: str = option("", "built-in environment or an equirectangular .hdr or .exr file", default="studio", file=True)
+    env: str = option("", "built-in environment or a .hdr or .exr file", default="studio", file=True)
+    layer: str = option("", "layer of an OpenEXR environment with several; none: the picture proper", default="")
+    env_layout: Literal["auto", "equirect", "cross", "strip", "angular", "mirror"] = option(
+        "", "how the environment's picture covers the sphere: cube maps are crosses or strips, balls angular or mirrors",
+        default="auto")
     env_rotate: float = option(
         "degrees", "turn the environment about +Y; in the window, drag with the right button", default=0.0,
         slider=(-180.0, 180.0))

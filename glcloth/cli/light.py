@@ -17,6 +17,8 @@ def env(
     /,
     *,
     lobes: Annotated[str, Parameter(help="1 to 64, or auto.")] = "10",
+    layer: Annotated[str, Parameter(help="Of an OpenEXR file with several.")] = "",
+    env_layout: Annotated[str, Parameter(help="auto, equirect, cross, strip, angular or mirror.")] = "auto",
     output: Annotated[Path | None, output_option("Fit to write (.json); the picture goes beside it as .png.")] = None,
     json: Json = False,
 ) -> None:
@@ -25,7 +27,7 @@ def env(
     Parameters
     ----------
     file
-        Built-in environment or an equirectangular .hdr or .exr file.
+        Built-in environment or a .hdr or .exr file.
     """
     from ..image import write_image
     from ..light.environment import load_environment
@@ -37,7 +39,7 @@ def env(
     if target.suffix != ".json":
         raise InputError(f"{target}: expected a name that ends in .json; the picture is written beside it as .png")
     check_writable(target)
-    environment = load_environment(file)
+    environment = load_environment(file, layer, env_layout)
     report = fit_report(environment, count)
     save_lights(target, report.lights)
     picture = target.with_suffix(".png")

@@ -20,7 +20,9 @@ class SceneOptions:
     objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, matt, in its own colours; repeatable.")] = None
     ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; or off (m).")] = None
     ground_color: Annotated[str | None, Parameter(help="What the ground reflects, R,G,B (0 to 1 linear Rec. 709).")] = None
-    env: Annotated[str | None, Parameter(help="Built-in environment or an equirectangular .hdr or .exr file.")] = None
+    env: Annotated[str | None, Parameter(help="Built-in environment or a .hdr or .exr file.")] = None
+    layer: Annotated[str | None, Parameter(help="Layer of an OpenEXR environment with several; none: the picture proper.")] = None
+    env_layout: Annotated[str | None, Parameter(help="How the environment's picture covers the sphere: cube maps are crosses or strips, balls angular or mirrors (auto, equirect, cross, strip, angular or mirror).")] = None
     env_rotate: Annotated[float | None, Parameter(help="Turn the environment about +Y; in the window, drag with the right button (degrees).")] = None
     lobes: Annotated[str | None, Parameter(help="Spherical Gaussians fitted to the environment, 1 to 64, or auto.")] = None
     lights: Annotated[str | None, Parameter(help="File of lights (.json, .toml) instead of a fit; `glcloth env` writes one.")] = None

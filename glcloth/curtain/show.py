@@ -74,7 +74,7 @@ class CurtainShow:
         self.ctx = ctx
         self.scene = scene = scene or Scene(curtain=CurtainParameters())
         self.fabric: Fabric = load_fabric(scene.fabric)
-        self.environment: Environment = environment or load_environment(scene.env)
+        self.environment: Environment = environment or load_environment(scene.env, scene.layer, scene.env_layout)
         self.room: Room = load_room(scene.room or ROOM)
         self._room = scene.room, _changed_at(scene.room)
         parameters = scene.curtain
@@ -135,8 +135,8 @@ class CurtainShow:
             return False
         if environment is not None:
             self.environment = environment
-        elif scene.env != here.env:
-            self.environment = load_environment(scene.env)
+        elif any(getattr(scene, name) != getattr(here, name) for name in ("env", "layer", "env_layout")):
+            self.environment = load_environment(scene.env, scene.layer, scene.env_layout)
         self.scene, self.fabric = scene, fabric
         return True
 

@@ -102,7 +102,7 @@ class Frames:
         if scene.curtain is not None:
             raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")
         cloths = tuple(cloths) or (self._cloth(scene, mesh, fabric),)
-        environment = self.environment(environment or scene.env)
+        environment = self.environment(environment or scene.env, scene)
         lights = self._lights(scene, environment) if lights is None else as_lights(lights)
         first = cloths[0].mesh
         objects = self._arranged(scene, first) if objects is None else objects
@@ -135,9 +135,13 @@ class Frames:
         look = scene.ground, scene.ground_color
         return self._objects.get(lambda: arrange(solids, *look, mesh), self._first_pose, solids, look)
 
-    def environment(self, name: str | Environment) -> Environment:
-        """The environment of a name or file; an Environment is itself."""
-        return name if isinstance(name, Environment) else self._loaded(load_environment, name)
+    def environment(self, name: str | Environment, scene: Scene) -> Environment:
+        """The environment of a name or file, read as a scene says; an Environment is itself."""
+        if isinstance(name, Environment):
+            return name
+        how = scene.layer, scene.env_layout
+        last = self._files.setdefault(load_environment, Last())
+        return last.get(lambda: load_environment(name, *how), name, _stamp(name), how)
 
     def fabric(self, name: str | Fabric) -> Fabric:
         """The fabric of a name or file; a Fabric is itself."""

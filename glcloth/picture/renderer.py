@@ -137,7 +137,7 @@ class Renderer:
         if scene.curtain is None:
             raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
         scene = scene.model_copy(update={"fabric": self._frames.fabric(scene.fabric)})
-        environment = environment or self._frames.environment(scene.env)
+        environment = environment or self._frames.environment(scene.env, scene)
         self._last = self._show = show_at_its_frame(self.ctx, scene, environment, self._show)
         return self._show
 

@@ -56,8 +56,8 @@ class Resources:
         """
         self.doing = ""
         mesh = self._get("mesh", (scene.mesh, _stamp(scene.mesh)), lambda: load_mesh(scene.mesh), "reading the mesh")
-        map_key = (scene.env, _stamp(scene.env))
-        environment = self._get("env", map_key, lambda: load_environment(scene.env), "reading the environment")
+        map_key = (scene.env, _stamp(scene.env), scene.layer, scene.env_layout)
+        environment = self._get("env", map_key, lambda: _environment(scene), "reading the environment")
         stamps = tuple((name, _stamp(name)) for name in scene.objects)
         solids = self._get("solids", stamps, lambda: load_solids(scene.objects), "reading the objects")
         if mesh is None or environment is None or solids is None:
@@ -99,8 +99,8 @@ class Resources:
         """The environment, which the curtain needs beside itself. None while that, or the fabric's albedo (which the
         tracer then finds in its cache), is still being made. Raises as `ask` does."""
         self.doing = ""
-        map_key = (scene.env, _stamp(scene.env))
-        environment = self._get("env", map_key, lambda: load_environment(scene.env), "reading the environment")
+        map_key = (scene.env, _stamp(scene.env), scene.layer, scene.env_layout)
+        environment = self._get("env", map_key, lambda: _environment(scene), "reading the environment")
         key = fabric.model_dump_json(exclude={"name", "transmission"})
         albedo = self._get("albedo", key, lambda: mean_albedo(fabric), "the fabric's albedo")
         return None if albedo is None else environment
@@ -126,6 +126,10 @@ class Resources:
         except BaseException:
             del found[key]
             raise
+
+
+def _environment(scene: Scene) -> Environment:
+    return load_environment(scene.env, scene.layer, scene.env_layout)
 
 
 def _stamp(name: str) -> float | None:
