@@ -17,6 +17,10 @@ UNASKED_PIXELS = 1 << 24  # up to so many whatever the file's size; beyond, a fi
 PIXELS_PER_BYTE = 64
 
 
+class TooLarge(InputError):
+    """More pixels than can be read."""
+
+
 def check_pixels(what: str | Path, width: int, height: int, file_bytes: int, planes: int = 1) -> None:
     """Raise InputError for more pixels (times `planes`) than can be read, before any of them is.
 
@@ -24,9 +28,9 @@ def check_pixels(what: str | Path, width: int, height: int, file_bytes: int, pla
     """
     pixels = max(width, 0) * max(height, 0)
     if pixels > MOST_PIXELS:
-        raise InputError(f"{what}: {width} x {height} pixels, at most {MOST_PIXELS:,} can be read; make it smaller")
+        raise TooLarge(f"{what}: {width} x {height} pixels, at most {MOST_PIXELS:,} can be read; make it smaller")
     if pixels * planes > UNASKED_PIXELS and pixels * planes > PIXELS_PER_BYTE * file_bytes:
-        raise InputError(
+        raise TooLarge(
             f"{what}: {width} x {height} pixels in a file of {file_bytes:,} bytes, at most "
             f"{max(UNASKED_PIXELS, PIXELS_PER_BYTE * file_bytes):,} can be read; make it smaller"
         )

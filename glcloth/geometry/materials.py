@@ -6,26 +6,30 @@ import numpy as np
 
 from ..color import srgb_decode
 from ..errors import InputError
+from ..formats.common import TooLarge
 from ..image import decode_codes
 from ..progress import warn
 from .raw import Material
 
 
-def base_picture(material: Material) -> np.ndarray | None:
+def base_picture(material: Material, where: str = "") -> np.ndarray | None:
     """The base colours [H, W, 3 or 4] of a material's picture, sRGB codes in 0 to 1; None without one, or with a warning
-    where it cannot be decoded."""
+    where it cannot be decoded. Raises InputError for one that is too large, naming the file `where`."""
     if material.texture is None:
         return None
     try:
         return decode_codes(material.texture)
     except InputError as error:
-        warn(f"material {material.name}: its picture is left out: {error}")
+        called = f"{where}: material {material.name or '(unnamed)'}"
+        if isinstance(error, TooLarge):
+            raise InputError(f"{called}: {error}") from None
+        warn(f"{called}: its picture is left out: {error}")
         return None
 
 
-def mean_color(material: Material) -> tuple[float, float, float]:
-    """The linear colour [3] of a material, its picture by its mean."""
-    codes = base_picture(material)
+def mean_color(material: Material, where: str = "") -> tuple[float, float, float]:
+    """The linear colour [3] of a material, its picture by its mean. Raises as `base_picture`."""
+    codes = base_picture(material, where)
     if codes is None:
         return material.color
     r, g, b = (np.array(material.color) * srgb_decode(codes[..., :3].astype(float)).mean((0, 1))).tolist()

@@ -11,12 +11,13 @@ axis serves.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from ..errors import InputError
 from .coincident import distinct, split_vertices
+from .faces import Faces, dot, gathered, sums, unit
 from .raw import Names, RawMesh, check_counts
 from .winding import dropped, turned
 
@@ -167,32 +168,31 @@ def assembled(raw: RawMesh, name: str, where: str) -> tuple[Mesh, np.ndarray]:
     """
     positions, triangles, origin = _checked(raw.positions, raw.triangles, where)
     _, place = distinct(positions)
-    S = _area_vectors(positions, triangles)
-    kept = dropped(place, triangles, S)
+    faces = Faces.of(positions, triangles)
+    kept = dropped(place, triangles, faces.area)
     if not len(kept):
         raise InputError(f"{where}: every triangle has no area, there is nothing to see; mend the mesh")
     if len(kept) < len(triangles):
-        triangles, S = triangles[kept], S[kept]
+        faces = faces.some(kept)
     normals = None if raw.normals is None else np.asarray(raw.normals, np.float64)
-    over = turned(place, triangles, S, normals)
+    over = turned(place, faces.triangles, faces.area, normals)
     if over.any():
-        triangles = np.where(over[:, None], triangles[:, ::-1], triangles)
-        S = np.where(over[:, None], -S, S)
-    faces = _Faces(triangles, S, _corner_angles(positions, triangles))
-    N = _vertex_normals(positions, place, faces, normals)
+        faces = faces.turned(over)
+    angles = faces.angles()
+    N = _vertex_normals(len(positions), place, faces, angles, normals)
     rest = raw.parts if raw.part_of is not None else (), None if raw.part_of is None else raw.part_of[kept], origin
     if raw.uv is not None:
         uv = np.asarray(raw.uv, np.float64)
-        corner_tangent, corner_sign = _corner_tangents(positions, faces, uv, N)
+        tangent, corner_sign = _face_tangents(faces, uv, N)
         if corner_sign.any():
-            triangles, sources, sign = _split_at_mirrors(triangles, corner_sign, len(positions))
+            triangles, sources, sign = _split_at_mirrors(faces.triangles, corner_sign.T, len(positions))
             uv = np.nan_to_num(uv[sources], nan=0.0, posinf=0.0, neginf=0.0)
             positions, N, place = positions[sources], N[sources], place[sources]
-            faces = replace(faces, triangles=triangles)
-            tangents = _tangents(place, faces, N, uv, corner_tangent, sign)
+            weighted = tangent * angles[:, None]
+            tangents = _tangents(place, faces.renumbered(triangles), N, uv, weighted, sign)
             return Mesh(name, positions, triangles, N, uv, tangents, *rest), kept
     tangents = np.column_stack([_fallback_tangents(N, _axis_order(faces, N)), np.ones(len(N))])
-    return Mesh(name, positions, triangles, N, None, tangents, *rest), kept
+    return Mesh(name, positions, faces.triangles, N, None, tangents, *rest), kept
 
 
 def _checked(
@@ -233,15 +233,6 @@ def _origin(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     return np.round(middle / unit) * unit
 
 
-@dataclass(frozen=True, eq=False)
-class _Faces:
-    """Triangles [T, 3], their normals scaled by their areas [T, 3], and their interior angles [T, 3] in radians."""
-
-    triangles: np.ndarray
-    area_vectors: np.ndarray
-    angles: np.ndarray
-
-
 def _split_at_mirrors(triangles: np.ndarray, corner_sign: np.ndarray, count: int) -> tuple[np.ndarray, ...]:
     """Split vertices whose corners differ in handedness; returns (triangles, the old vertex of each, its handedness)."""
     # Corners without a sign (degenerate UVs) take the sign of another corner of their vertex.
@@ -249,15 +240,17 @@ def _split_at_mirrors(triangles: np.ndarray, corner_sign: np.ndarray, count: int
     sign = corner_sign.ravel().copy()
     known = np.zeros(count)
     known[flat[::-1][sign[::-1] != 0]] = sign[::-1][sign[::-1] != 0]
+    if ((sign == 0) | (known[flat] == sign)).all():  # nothing to split
+        return triangles, np.arange(count), np.where(known == 0, 1, known).astype(np.int64)
     sign = np.where(sign == 0, np.where(known[flat] == 0, 1, known[flat]), sign).astype(np.int64)
     corner, sources, first = split_vertices(flat, sign[:, None], count)
     return corner.reshape(-1, 3), sources, np.where(first < 0, 1, sign[first])
 
 
-def _tangents(place, faces: _Faces, N, uv, corner_tangent, sign) -> np.ndarray:
-    """Return tangents [V, 4] from those of the corners, alike at vertices with the same place, UVs, normal and sign."""
+def _tangents(place, faces: Faces, N, uv, weighted, sign) -> np.ndarray:
+    """Return tangents [V, 4] from those of corners [3, 3, T], alike at vertices with the same place, UVs, normal, sign."""
     _, group = distinct(np.column_stack([place, uv, N, sign]))
-    summed = _sums(group, faces.triangles, corner_tangent.reshape(-1, 3))
+    summed = sums(group, faces.triangles, weighted)
     x = summed - N * np.sum(N * summed, axis=1, keepdims=True)
     length = np.linalg.norm(x, axis=1, keepdims=True)
     lost = length[:, 0] < 1e-6
@@ -273,49 +266,28 @@ def _unit(v: np.ndarray) -> np.ndarray:
     return v / np.where(length == 0, 1.0, length)
 
 
-def _corner_angles(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Return the [T, 3] interior angles in radians."""
-    p = positions[triangles]
-    e = _unit(np.roll(p, -1, axis=1) - p)
-    return np.arccos(np.clip(-np.sum(e * np.roll(e, 1, axis=1), axis=2), -1.0, 1.0))
-
-
-def _area_vectors(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Return [T, 3]: the normals scaled by the areas, exactly zero for triangles that are lines or points."""
-    a, b, c = (positions[triangles[:, i]] for i in range(3))
-    S = np.cross(b - a, c - a) / 2
-    longest = np.max([np.sum((b - a) ** 2, 1), np.sum((c - b) ** 2, 1), np.sum((a - c) ** 2, 1)], axis=0)
-    # Positions are float32, so heights below 1e-6 of the longest side are rounding, not shape.
-    S[np.linalg.norm(S, axis=1) <= 1e-6 * longest] = 0.0
-    return S
-
-
-def _sums(group: np.ndarray, triangles: np.ndarray, value: np.ndarray) -> np.ndarray:
-    """Sum `value` [3 T, n] of the corners at each vertex, vertices of one `group` [V] counting as one; [V, n]."""
-    corner = group[triangles.ravel()]
-    return np.stack([np.bincount(corner, column, group.max() + 1) for column in value.T], 1)[group]
-
-
-def _vertex_normals(positions: np.ndarray, place: np.ndarray, faces: _Faces, given: np.ndarray | None) -> np.ndarray:
+def _vertex_normals(
+    count: int, place: np.ndarray, faces: Faces, angles: np.ndarray, given: np.ndarray | None
+) -> np.ndarray:
     """Return [V, 3] unit normals: the given ones where usable, else face normals weighted by corner angle.
 
     The angle weights make the sum independent of how the surface is cut into triangles (Thuermer and Wuethrich 1998).
     """
-    triangles, face_normal = faces.triangles, _unit(faces.area_vectors)
-    weighted = (faces.angles[..., None] * face_normal[:, None, :]).reshape(-1, 3)
-    N = _sums(place, triangles, weighted)
+    triangles, face_normal = faces.triangles, unit(faces.area)
+    weighted = angles[:, None] * face_normal
+    N = sums(place, triangles, weighted)
     # Two sheets back to back cancel when they are summed as one: then each vertex speaks for itself.
-    weight = _sums(place, triangles, faces.angles.reshape(-1, 1))
+    weight = sums(place, triangles, angles[:, None])
     cancelled = np.linalg.norm(N, axis=1) <= 1e-3 * weight[:, 0]
     if cancelled.any():
-        alone = _sums(np.arange(len(positions)), triangles, weighted)
+        alone = sums(np.arange(count), triangles, weighted)
         N[cancelled] = alone[cancelled]
     N = _unit(N)
     lost = np.linalg.norm(N, axis=1) < 0.5
     if lost.any():
         # Any face's normal is better than none; a vertex of no true triangle gets +Y, which nothing will show.
-        any_face = np.tile([0.0, 1.0, 0.0], (len(positions), 1))
-        any_face[triangles.ravel()] = np.repeat(face_normal, 3, axis=0)
+        any_face = np.tile([0.0, 1.0, 0.0], (count, 1))
+        any_face[triangles.ravel()] = np.repeat(face_normal.T, 3, axis=0)
         N[lost] = any_face[lost]
     if given is not None:
         with np.errstate(invalid="ignore"):
@@ -325,34 +297,32 @@ def _vertex_normals(positions: np.ndarray, place: np.ndarray, faces: _Faces, giv
     return N
 
 
-def _corner_tangents(
-    positions: np.ndarray, faces: _Faces, uv: np.ndarray, N: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return per corner: unit dP/du times the corner angle [T, 3, 3], and the handedness [T, 3] (0 = unusable UVs).
+def _face_tangents(faces: Faces, uv: np.ndarray, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return of each face unit dP/du [3, T], 0 where UVs are unusable, and of its corners the handedness [3, T], likewise.
 
     dP/du = (e1 dv2 - e2 dv1) / (du1 dv2 - du2 dv1); the sign of that determinant says whether the UVs are mirrored,
     counted against N, which a file may point away from the winding's side.
     """
-    triangles, S = faces.triangles, faces.area_vectors
-    p, t = positions[triangles], uv[triangles]
-    e_1, e_2 = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]
-    d_1, d_2 = t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]
+    t = gathered(uv, faces.triangles)
+    e_1, e_2 = faces.edges[0], -faces.edges[2]
     with np.errstate(invalid="ignore", over="ignore"):
-        determinant = d_1[:, 0] * d_2[:, 1] - d_2[:, 0] * d_1[:, 1]
+        d_1, d_2 = t[1] - t[0], t[2] - t[0]
+        determinant = d_1[0] * d_2[1] - d_2[0] * d_1[1]
         # Relative: UVs may be in metres, texels or fractions; 1e-6 is what float32 UVs leave of a line.
-        scale = np.max([np.sum(d_1**2, 1), np.sum(d_2**2, 1), np.sum((d_2 - d_1) ** 2, 1)], axis=0)
-        usable = np.isfinite(t).all(axis=(1, 2)) & (np.abs(determinant) > 1e-6 * scale) & (S != 0).any(axis=1)
-        x = _unit((e_1 * d_2[:, 1:] - e_2 * d_1[:, 1:]) * np.sign(determinant)[:, None])
-    side = np.where(np.sum(N[triangles] * S[:, None, :], axis=2) < 0, -1.0, 1.0)
-    x = np.where(usable[:, None], x, 0.0)
-    return x[:, None, :] * faces.angles[..., None], np.where(usable, np.sign(np.nan_to_num(determinant)), 0.0)[
-        :, None
-    ] * side
+        scale = np.maximum(np.maximum(_squared(d_1), _squared(d_2)), _squared(d_2 - d_1))
+        usable = np.isfinite(t).all(axis=(0, 1)) & (np.abs(determinant) > 1e-6 * scale) & (faces.area != 0).any(axis=0)
+        x = unit((e_1 * d_2[1] - e_2 * d_1[1]) * np.sign(determinant))
+    side = np.where(dot(gathered(N, faces.triangles), faces.area[None]) < 0, -1.0, 1.0)
+    return np.where(usable, x, 0.0), np.where(usable, np.sign(np.nan_to_num(determinant)), 0.0) * side
 
 
-def _axis_order(faces: _Faces, N: np.ndarray) -> Sequence[int]:
+def _squared(d: np.ndarray) -> np.ndarray:
+    return d[0] ** 2 + d[1] ** 2
+
+
+def _axis_order(faces: Faces, N: np.ndarray) -> Sequence[int]:
     """Return the axes X, Z, Y (as 0, 2, 1), the one with the least area near it first."""
-    area = np.linalg.norm(faces.area_vectors, axis=1)
+    area = np.sqrt(dot(faces.area, faces.area))
     facing = np.abs(N[faces.triangles].mean(axis=1)) > np.cos(np.radians(25.0))
     near = (area[:, None] * facing).sum(axis=0) / max(area.sum(), 1e-300)
     # Rounded, so that symmetric meshes keep the stated order.

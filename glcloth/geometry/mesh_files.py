@@ -78,7 +78,7 @@ def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | N
         )
     raw = read_mesh(path, colored)
     mesh, kept = assembled(raw, path.stem, str(path))
-    return mesh, reflectances(raw)[kept] if colored else None
+    return mesh, reflectances(raw, str(path))[kept] if colored else None
 
 
 def read_mesh(path: Path, colored: bool = False) -> RawMesh:
@@ -96,11 +96,11 @@ def read_mesh(path: Path, colored: bool = False) -> RawMesh:
     return {".ply": read_ply, ".stl": read_stl, ".off": read_off}[suffix](blob, str(path))
 
 
-def reflectances(raw: RawMesh) -> np.ndarray:
+def reflectances(raw: RawMesh, where: str) -> np.ndarray:
     """The diffuse reflectance [T, 3] float32, linear, of triangles: their materials' colours, textures by their mean."""
     rows = np.full((len(raw.triangles), 3), GREY if raw.colors is None else 1.0)
     if raw.materials and raw.material_of is not None:
-        rows = np.array([mean_color(material) for material in raw.materials])[raw.material_of]
+        rows = np.array([mean_color(material, where) for material in raw.materials])[raw.material_of]
     return (rows if raw.colors is None else rows * raw.colors).astype(np.float32)
 
 

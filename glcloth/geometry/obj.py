@@ -114,6 +114,8 @@ def _values(lines: Lines, which: np.ndarray, kind: str) -> np.ndarray:
         # Some word is no number: it may be one that nobody reads.
         width = 3
         numbers, count = _one_by_one(lines, which, kind), np.full(len(which), width)
+    if (count == 3).all():
+        return numbers.reshape(-1, 3)
     begin = np.cumsum(count) - count
     width = 6 if kind == "v" and (count >= 6).all() else 3
     rows = np.zeros((len(which), width))
@@ -150,7 +152,7 @@ def _faces(lines: Lines, kinds: dict[str, np.ndarray], where: str) -> _Corners:
     index = _corner_numbers(text, int(counts.sum()))
     if index is None:
         index = np.array([_corner(lines, line, w) for line in which.tolist() for w in lines.words(line)[1:]], np.int64)
-    line_of = np.repeat(which, counts)
+    line_of = np.repeat(which.astype(np.int32), counts)
     for column, kind in enumerate(("v", "vt", "vn")):
         given = index[:, column]
         back = given < 0
@@ -184,7 +186,16 @@ def _corner_numbers(text: Words, total: int) -> np.ndarray | None:
     width = 1 + slashes - doubled
     if len(numbers) != int(width.sum()) or (slashes > 2).any() or (doubled & (slashes != 2)).any():
         return None
-    numbers = np.where(numbers == 0, ZERO, numbers)
+    numbers[numbers == 0] = ZERO
+    if (width == width[0]).all():
+        rows = numbers.reshape(total, -1)
+        index = np.zeros((total, 3), np.int64)
+        index[:, 0] = rows[:, 0]
+        if rows.shape[1] > 1:
+            index[:, 2 if doubled[0] else 1] = rows[:, 1]
+        if rows.shape[1] > 2:
+            index[:, 2] = rows[:, 2]
+        return index if (doubled == doubled[0]).all() else None
     begin = np.cumsum(width) - width
     index = np.zeros((total, 3), np.int64)
     index[:, 0] = numbers[begin]

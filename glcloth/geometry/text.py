@@ -52,12 +52,20 @@ class Lines:
         """The words of a line."""
         return self.text(line).split(b"#", 1)[0].decode("utf-8", errors="replace").split()
 
+    @cached_property
+    def _initials(self) -> np.ndarray:
+        """The first two letters [L] of each line's first word, as one number."""
+        return self._codes[self._words].astype(np.uint16) * 256 + self._codes[self._words + 1]
+
     def that_begin(self, word: str) -> np.ndarray:
         """The lines [L] whose first word this is."""
-        lines = np.arange(len(self._words))
-        for k, letter in enumerate(word.encode()):
+        code = word.encode()
+        if len(code) == 1:
+            return np.flatnonzero(np.isin(self._initials, [code[0] * 256 + c for c in (SPACE, TAB, NEWLINE)]))
+        lines = np.flatnonzero(self._initials == code[0] * 256 + code[1])
+        for k, letter in enumerate(code[2:], 2):
             lines = lines[self._codes[self._words[lines] + k] == letter]
-        after = self._codes[self._words[lines] + len(word)]
+        after = self._codes[self._words[lines] + len(code)]
         return lines[(after == SPACE) | (after == TAB) | (after == NEWLINE)]
 
     @cached_property
@@ -69,14 +77,19 @@ class Lines:
 
     def joined(self, lines: np.ndarray, skip: int) -> Words:
         """The words of lines but for their first one, of `skip` letters."""
-        codes = self._codes.copy() if skip else self._codes
-        for k in range(skip):
-            codes[self._words[lines] + k] = SPACE
-        blob = codes.tobytes()
         apart = np.flatnonzero(np.diff(lines) != 1)
         begins = self._begins[lines[np.concatenate([[0], apart + 1])]]
         ends = self._ends[lines[np.concatenate([apart, [len(lines) - 1]])]] + 1
-        return Words(b"".join(blob[a:b] for a, b in zip(begins.tolist(), ends.tolist(), strict=True)))
+        blob = bytearray().join(self.blob[a:b] for a, b in zip(begins.tolist(), ends.tolist(), strict=True))
+        if ends[-1] > len(self.blob):  # the last line has no end
+            blob += b"\n"
+        lengths = ends - begins
+        moved = np.repeat(np.cumsum(lengths) - lengths - begins, np.diff(np.concatenate([[0], apart + 1, [len(lines)]])))
+        first = self._words[lines] + moved
+        codes = np.frombuffer(blob, np.uint8)
+        for k in range(skip):
+            codes[first + k] = SPACE
+        return Words(bytes(blob))
 
     def fault(self, line: int, what: str, whole: bool = False) -> InputError:
         """An error about a line; `whole`: that quotes it."""
@@ -114,14 +127,17 @@ class Words:
 
     def slashes(self) -> tuple[np.ndarray, np.ndarray, bool]:
         """How many slashes each word has, how many that follow another, and whether any word begins or ends with one."""
-        at = np.flatnonzero(self._codes == SLASH)
+        at, count = np.flatnonzero(self._codes == SLASH), len(self._begins)
         if not len(at):
-            none = np.zeros(len(self._begins), np.int8)
+            none = np.zeros(count, np.int8)
             return none, none, False
-        word = np.searchsorted(self._begins, at, "right") - 1
         after, before = self._codes[at + 1], self._codes[at - 1]
         dangling = bool(((after <= SPACE) | (before <= SPACE)).any() or at[0] == 0)
-        count = len(self._begins)
+        each = len(at) // max(count, 1)
+        rows = at.reshape(count, each) if each * count == len(at) else None
+        if rows is not None and (rows > self._begins[:, None]).all() and (rows[:-1] < self._begins[1:, None]).all():
+            return np.full(count, each), (before == SLASH).reshape(count, each).sum(1), dangling
+        word = np.searchsorted(self._begins, at, "right") - 1
         return np.bincount(word, minlength=count), np.bincount(word[before == SLASH], minlength=count), dangling
 
     def integers(self) -> np.ndarray:

@@ -6,21 +6,24 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from .coincident import distinct
+from .coincident import all_differ, distinct
+from .faces import dot, gathered
 
 
-def dropped(place: np.ndarray, triangles: np.ndarray, area_vectors: np.ndarray) -> np.ndarray:
-    """Return which triangles [K] stay of [T, 3]: those with an area [T, 3], and of equal ones, either way round, the first.
+def dropped(place: np.ndarray, triangles: np.ndarray, area: np.ndarray) -> np.ndarray:
+    """Return which triangles [K] stay of [T, 3]: those with an area [3, T], and of equal ones, either way round, the first.
 
-    place : [V] equal for vertices at the same place
+    place : [V] equal for vertices at the same place; area: [3, T], the normal scaled by the area
     """
-    solid = np.flatnonzero((area_vectors != 0).any(1))
-    first, _ = distinct(np.sort(place[triangles[solid]], axis=1))
+    solid = np.flatnonzero((area != 0).any(0))
+    a, b, c = place[(triangles if len(solid) == len(triangles) else triangles[solid]).T]
+    low, high = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    first, _ = distinct(np.stack([low, a + b + c - low - high, high], 1))
     return solid[np.sort(first)]
 
 
 def turned(
-    place: np.ndarray, triangles: np.ndarray, area_vectors: np.ndarray, normals: np.ndarray | None
+    place: np.ndarray, triangles: np.ndarray, area: np.ndarray, normals: np.ndarray | None
 ) -> np.ndarray:
     """Return which triangles [T] bool to turn over: first all that share edges get one side, that of the larger area;
     then each is turned to the side of its file's normals [V, 3], where it has some (not NaN, not 0).
@@ -28,11 +31,11 @@ def turned(
     known = np.zeros(len(triangles), bool)
     toward = np.zeros(len(triangles))
     if normals is not None:
-        toward = np.einsum("tkc,tc->t", np.nan_to_num(normals, posinf=0.0, neginf=0.0)[triangles], area_vectors)
+        toward = dot(gathered(np.nan_to_num(normals, posinf=0.0, neginf=0.0), triangles).sum(0), area)
         known = toward != 0
     if known.all():
         return toward < 0
-    return np.where(known, toward < 0, _against_neighbours(place[triangles], np.linalg.norm(area_vectors, axis=1)))
+    return np.where(known, toward < 0, _against_neighbours(place[triangles], np.sqrt(dot(area, area))))
 
 
 def _against_neighbours(corners: np.ndarray, area: np.ndarray) -> np.ndarray:
@@ -41,8 +44,7 @@ def _against_neighbours(corners: np.ndarray, area: np.ndarray) -> np.ndarray:
     none = np.zeros(count, bool)
     start, end = corners.T.ravel(), np.roll(corners, -1, 1).T.ravel()  # corner k of triangle t is number k count + t
     most = np.int64(corners.max(initial=0)) + 1
-    directed = np.sort(start * most + end)
-    if (directed[1:] != directed[:-1]).all():  # no edge is passed twice the same way
+    if all_differ(start * most + end):  # no edge is passed twice the same way
         return none
     key = np.minimum(start, end) * most + np.maximum(start, end)
     order = np.argsort(key, kind="stable")
