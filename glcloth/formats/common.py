@@ -17,7 +17,7 @@ UNASKED_PIXELS = 1 << 24  # up to so many whatever the file's size; beyond, a fi
 PIXELS_PER_BYTE = 64
 
 
-class TooLarge(InputError):
+class TooLargeError(InputError):
     """More pixels than can be read."""
 
 
@@ -28,9 +28,9 @@ def check_pixels(what: str | Path, width: int, height: int, file_bytes: int, pla
     """
     pixels = max(width, 0) * max(height, 0)
     if pixels > MOST_PIXELS:
-        raise TooLarge(f"{what}: {width} x {height} pixels, at most {MOST_PIXELS:,} can be read; make it smaller")
+        raise TooLargeError(f"{what}: {width} x {height} pixels, at most {MOST_PIXELS:,} can be read; make it smaller")
     if pixels * planes > UNASKED_PIXELS and pixels * planes > PIXELS_PER_BYTE * file_bytes:
-        raise TooLarge(
+        raise TooLargeError(
             f"{what}: {width} x {height} pixels in a file of {file_bytes:,} bytes, at most "
             f"{max(UNASKED_PIXELS, PIXELS_PER_BYTE * file_bytes):,} can be read; make it smaller"
         )

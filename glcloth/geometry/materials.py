@@ -6,7 +6,7 @@ import numpy as np
 
 from ..color import srgb_decode
 from ..errors import InputError
-from ..formats.common import TooLarge
+from ..formats.common import TooLargeError
 from ..image import decode_codes
 from ..progress import warn
 from .raw import Material
@@ -21,7 +21,7 @@ def base_picture(material: Material, where: str = "") -> np.ndarray | None:
         return decode_codes(material.texture)
     except InputError as error:
         called = f"{where}: material {material.name or '(unnamed)'}"
-        if isinstance(error, TooLarge):
+        if isinstance(error, TooLargeError):
             raise InputError(f"{called}: {error}") from None
         warn(f"{called}: its picture is left out: {error}")
         return None

@@ -11,7 +11,7 @@ axis serves.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -120,6 +120,14 @@ class Mesh:
         """Return the radius of the sphere about `center` that holds every triangle."""
         used = self._used()
         return float(np.linalg.norm(used - self.center, axis=1).max())
+
+
+def relative_to(mesh: Mesh, origin: tuple[float, float, float]) -> Mesh:
+    """The same mesh where (0, 0, 0) is another point of its file's space."""
+    offset = np.subtract(mesh.origin, origin)
+    if not offset.any():
+        return mesh
+    return replace(mesh, positions=(mesh.positions + offset).astype(np.float32), origin=origin)
 
 
 def _as_arrays(name: str, positions, triangles, uv) -> tuple[np.ndarray, np.ndarray, np.ndarray | None]:

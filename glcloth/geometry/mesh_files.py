@@ -78,6 +78,9 @@ def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | N
         )
     raw = read_mesh(path, colored)
     mesh, kept = assembled(raw, path.stem, str(path))
+    if any(mesh.origin):
+        by = ", ".join(f"{0 - c:g}" for c in mesh.origin)
+        warn(f"{path}: lies far from the origin, where numbers are too coarse; moved by {by} m")
     return mesh, reflectances(raw, str(path))[kept] if colored else None
 
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from . import shapes
-from .mesh import Mesh, build_mesh
+from .mesh import Mesh, build_mesh, relative_to
 from .mesh_files import load_solid
 
 GAP = 0.002  # of the cloth's radius: how far below the lowest point a ground lies that is given no height
@@ -91,10 +91,12 @@ def load_solids(names: Sequence[str]) -> tuple[Solid, ...]:
 
 def arrange(solids: Sequence[Solid], ground: float | str, color, cloth: Mesh) -> Objects:
     """Objects and ground about a cloth, as a scene says: `ground` is a height, "auto" or "off"."""
-    meshes, reflectances = tuple(s[0] for s in solids), tuple(s[1] for s in solids)
+    # A cloth far from the origin was moved there, and what stands about it with it.
+    meshes, reflectances = tuple(relative_to(s[0], cloth.origin) for s in solids), tuple(s[1] for s in solids)
     if ground == "off":
         return Objects(meshes, reflectances)
-    return Objects(meshes, reflectances, stand_on(cloth, meshes, None if ground == "auto" else float(ground), color))
+    height = None if ground == "auto" else float(ground) - cloth.origin[1]
+    return Objects(meshes, reflectances, stand_on(cloth, meshes, height, color))
 
 
 def stand_on(cloth: Mesh, meshes: Sequence[Mesh], height: float | None, color) -> Ground:

@@ -84,7 +84,9 @@ class Lines:
         if ends[-1] > len(self.blob):  # the last line has no end
             blob += b"\n"
         lengths = ends - begins
-        moved = np.repeat(np.cumsum(lengths) - lengths - begins, np.diff(np.concatenate([[0], apart + 1, [len(lines)]])))
+        moved = np.repeat(
+            np.cumsum(lengths) - lengths - begins, np.diff(np.concatenate([[0], apart + 1, [len(lines)]]))
+        )
         first = self._words[lines] + moved
         codes = np.frombuffer(blob, np.uint8)
         for k in range(skip):

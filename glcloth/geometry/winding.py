@@ -22,9 +22,7 @@ def dropped(place: np.ndarray, triangles: np.ndarray, area: np.ndarray) -> np.nd
     return solid[np.sort(first)]
 
 
-def turned(
-    place: np.ndarray, triangles: np.ndarray, area: np.ndarray, normals: np.ndarray | None
-) -> np.ndarray:
+def turned(place: np.ndarray, triangles: np.ndarray, area: np.ndarray, normals: np.ndarray | None) -> np.ndarray:
     """Return which triangles [T] bool to turn over: first all that share edges get one side, that of the larger area;
     then each is turned to the side of its file's normals [V, 3], where it has some (not NaN, not 0).
     """

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
@@ -176,11 +178,26 @@ def _settings(scene: Scene, environment: Environment) -> Settings:
 def default_camera(mesh: Mesh, scene: Scene) -> Camera:
     """The camera of a scene; missing values are chosen so that the mesh fills the picture. Raises InputError for a view that
     neither we nor the mesh's file have."""
-    view, aspect = scene.camera, scene.size[0] / scene.size[1]
+    view, aspect = _near(scene.camera, mesh), scene.size[0] / scene.size[1]
     if view.view is None:
         return view.over(mesh_camera(mesh, aspect))
     angle = view.fov_deg or 35.0
-    return view.over(view_by_name(view.view, mesh.positions, aspect, angle, view.ortho, scene.mesh))
+    far = any(mesh.origin)
+    points = mesh.positions + np.array(mesh.origin) if far else mesh.positions
+    named = view_by_name(view.view, points, aspect, angle, view.ortho, scene.mesh)
+    if far:
+        moved = {name: tuple(np.subtract(getattr(named, name), mesh.origin)) for name in ("eye", "target")}
+        named = replace(named, **moved)
+    return view.over(named)
+
+
+def _near(view: View, mesh: Mesh) -> View:
+    """The camera of a scene about a mesh that was moved to the origin."""
+    if not any(mesh.origin):
+        return view
+    points = {name: getattr(view, name) for name in ("eye", "target")}
+    moved = {name: tuple(np.subtract(p, mesh.origin).tolist()) for name, p in points.items() if p}
+    return view.changed(**moved) if moved else view
 
 
 def mesh_camera(mesh: Mesh, aspect: float) -> Camera:
