@@ -11,6 +11,7 @@ from ..fabric import Fabric, Transmission
 from ..twins.cloth import f_cloth
 from ..twins.sheet import R_sheet, T_lambert, T_sheet, T_straight
 
+
 @lru_cache(maxsize=2)
 def hemisphere(rings: int = 16, sectors: int = 24) -> tuple[np.ndarray, np.ndarray]:
     """Directions [N, 3] about +z and weights [N] for integrals of f cos(theta) over the hemisphere."""

@@ -46,9 +46,18 @@ DOMAINS = {
     "albedo": lambda rng, count: rng.uniform(0, 1, (count, 3)),
 }
 SPECIAL = {
-    **{(name, "omega_i"): off_horizon(above_horizon) for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "f_lambert", "h_t")},
-    **{(name, "omega_o"): off_horizon(below_horizon) for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "f_lambert", "h_t")},
-    **{(name, "omega"): off_horizon(directions) for name in ("T_open", "T_sheet", "T_straight", "T_lambert", "R_sheet", "G_1_smith")},
+    **{
+        (name, "omega_i"): off_horizon(above_horizon)
+        for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "f_lambert", "h_t")
+    },
+    **{
+        (name, "omega_o"): off_horizon(below_horizon)
+        for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "f_lambert", "h_t")
+    },
+    **{
+        (name, "omega"): off_horizon(directions)
+        for name in ("T_open", "T_sheet", "T_straight", "T_lambert", "R_sheet", "G_1_smith")
+    },
     **{(name, o): off_horizon(directions) for name in ("covered", "absorption") for o in ("omega_i", "omega_o")},
 }
 TOLERANCE = {
