@@ -244,7 +244,7 @@ def test_the_split_of_light_that_passes(name):
         o = polar(theta, 37, -1)
         f = sheet.f_lambert(d, o[None], t.k_t, tau, t.rho, t.diffuse)
         exact = (f * (w / d[:, 2])[:, None]).sum(0)
-        np.testing.assert_allclose(sheet.T_lambert(o, t.k_t, tau, t.rho, t.diffuse), exact, rtol=0.03)
+        np.testing.assert_allclose(sheet.T_lambert(o, t.k_t, tau, t.rho, t.diffuse), exact, rtol=0.04)
     normal = polar(0, 0, 1)
     both = sheet.T_straight(normal, t.k_a, t.k_t, tau, t.rho, t.diffuse) + sheet.T_lambert(
         normal, t.k_t, tau, t.rho, t.diffuse
