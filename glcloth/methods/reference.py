@@ -96,9 +96,7 @@ class Reference(Method):
             return {}
         visit = "inputs/accel/visit_closest.glsl" if self.bounces else "inputs/accel/visit_any.glsl"
         virtual = {"visit.glsl": visit, **tracing(self._geometry.structure)}
-        if self._geometry.sheets is not None:
-            virtual["inputs/visibility/along_ray.glsl"] = "inputs/visibility/along_sheer.glsl"
-        return virtual
+        return virtual | {"inputs/visibility/along_ray.glsl": self._along}
 
     def behind_includes(self) -> dict[str, str]:
         """As for solids."""
@@ -206,7 +204,11 @@ class Reference(Method):
 
     @property
     def _along(self) -> str:
-        return "inputs/visibility/along_ray.glsl" if self.traced else "inputs/visibility/along_everything.glsl"
+        """The file with `flux_along`."""
+        if not self.traced:
+            return "inputs/visibility/along_everything.glsl"
+        sheer = self._geometry.sheets is not None
+        return "inputs/visibility/along_sheer.glsl" if sheer else "inputs/visibility/along_ray.glsl"
 
     def solids_program(self, defines: dict[str, Any]) -> Draw:
         """The program that lights what stands about the cloth by the same sum."""
