@@ -46,8 +46,8 @@ class Layer:
 
 
 class Target:
-    """A colour texture, and a part for each surface; where cloth is seen through, layers behind it; with `parted`, more textures for
-    parts of the light.
+    """A colour texture, and a part for each surface; with `parted`, more textures for parts of the light; and where cloth
+    is seen through, layers behind it.
 
     The layers are found by depth peeling: each holds of all surfaces what is nearest behind the sheer cloth of the layer
     before it. The last one has no sheer cloth, so that behind MOST_LAYERS of them objects and ground still stand.
@@ -213,7 +213,8 @@ class Target:
             layer.release()
         self.ctx.detect_framebuffer(0).use()
         self.framebuffer.release()
-        self._whole.release()
+        if self._whole is not self.framebuffer:
+            self._whole.release()
         for texture in (self.color, *self.light):
             texture.release()
 

@@ -25,7 +25,9 @@ def sheets(*heights):
     positions = [part[0] + [0, 0, z] for part, z in zip(parts, heights, strict=True)]
     begins = np.cumsum([0] + [len(part[0]) for part in parts])
     triangles = [part[1] + begin for part, begin in zip(parts, begins, strict=False)]
-    return build_mesh("sheets", np.concatenate(positions), np.concatenate(triangles), np.concatenate([p[2] for p in parts]))
+    return build_mesh(
+        "sheets", np.concatenate(positions), np.concatenate(triangles), np.concatenate([p[2] for p in parts])
+    )
 
 
 def camera(slant_deg=0.0):
