@@ -108,7 +108,8 @@ def trace(origin, direction, scene, fabric, lighting, depth, cutoff, weight=None
     result = albedo * np.array(lighting.ambient) + direct * E * lit
     if depth > 1:
         T = sheet.T_sheet(o, f.k_a, f.k_t, tau, f.rho)
-        R = sheet.R_sheet(o, f.k_t, f.rho, f.eta_1, f.eta_2)[:, None] * np.ones(3)
+        even = mean_albedo(fabric) * reflection_limit(fabric)
+        R = sheet.R_limited(sheet.R_sheet(o, f.k_t, f.rho, f.eta_1, f.eta_2), T, even)[:, None] * np.ones(3)
         r = d - 2 * (d * Ns).sum(-1, keepdims=True) * Ns
         r_g = d - 2 * (d * Ng).sum(-1, keepdims=True) * Ng
         r = np.where((r * Ng).sum(-1, keepdims=True) <= 0, r_g, r)

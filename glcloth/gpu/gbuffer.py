@@ -76,6 +76,7 @@ class Drawn:
     mesh, camera, offset : that were drawn, each pixel sampled at its centre + `offset`
     depths : near and far distance
     before : what the surfaces drawn before it held, which hide it where they are nearer
+    behind : what the surfaces of the layer before it held, behind which it lies; none: it is of the first
     """
 
     mesh: MeshBuffers
@@ -83,6 +84,7 @@ class Drawn:
     offset: tuple[float, float]
     depths: tuple[float, float]
     before: tuple[Drawn, ...] = ()
+    behind: tuple[Drawn, ...] = ()
 
 
 class GBuffer:
@@ -123,13 +125,20 @@ class GBuffer:
         for _ in self.draw_bands(wanted, self.size[1]):
             pass
 
-    def draw_bands(self, wanted: Drawn, rows: int, nearer: moderngl.Texture | None = None) -> Iterator[None]:
+    def draw_bands(
+        self,
+        wanted: Drawn,
+        rows: int,
+        nearer: moderngl.Texture | None = None,
+        behind: moderngl.Texture | None = None,
+    ) -> Iterator[None]:
         """As `draw`, so many rows at a time, for a caller with other things to do in between.
 
         Parameters
         ----------
         wanted : what is drawn; nothing is done when the frames hold just that: an edit of fabric or light moves no pixel
         nearer : the depth of what stands before the mesh
+        behind : the depth of what is seen through; nothing is drawn but behind it
         """
         if self._drawn == wanted:
             return
@@ -137,7 +146,7 @@ class GBuffer:
         mesh, height = wanted.mesh, self.size[1]
         clip = wanted.camera.clip_from_world(self.size, *wanted.depths, wanted.offset)
         self.ray_from_pixel = wanted.camera.ray_from_pixel(self.size, wanted.offset)
-        program = self._program(wanted, nearer)
+        program = self._program(wanted, nearer, behind)
         if rows < height:
             low, high = mesh.heights(clip)
         for first in range(0, height, rows):
@@ -151,15 +160,17 @@ class GBuffer:
             yield
         self._drawn = wanted
 
-    def _program(self, wanted: Drawn, nearer: moderngl.Texture | None) -> Draw:
-        alone = not wanted.before and wanted.mesh.one_sided_from == len(wanted.mesh.mesh.triangles)
+    def _program(self, wanted: Drawn, nearer: moderngl.Texture | None, behind: moderngl.Texture | None) -> Draw:
+        alone = not wanted.before and wanted.mesh.one_sided_from == len(wanted.mesh.mesh.triangles) and behind is None
         paths = "passes/picture/surface.vert", "passes/picture/surface.frag"
         if alone:
             return programs(self.ctx).draw(*paths)
-        program = programs(self.ctx).draw(*paths, {"AMONG_OTHERS": 1})
+        program = programs(self.ctx).draw(*paths, {"AMONG_OTHERS": 1} | ({} if behind is None else {"BEHIND": 1}))
         program.bind(one_sided_from=wanted.mesh.one_sided_from, hidden_by_others=nearer is not None)
         if nearer is not None:
             program.bind(nearer=nearer)
+        if behind is not None:
+            program.bind(behind=behind)
         return program
 
     def _draw_band(self, mesh: MeshBuffers, program: Draw, band: tuple[int, int, int, int], numbers) -> None:

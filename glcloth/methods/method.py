@@ -17,6 +17,7 @@ from ..gpu.programs import Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
 from ..light.lights import Lights
 from ..visibility.hit_vertices import HitVertices
+from ..visibility.sheets import Sheets
 from .settings import Settings
 
 
@@ -31,6 +32,7 @@ class Geometry:
     meshes : of the surfaces; the same objects as long as nothing moves
     albedo : [3] of the first cloth
     reflectances : what inputs/visibility/reflectance.glsl reads of the others; None: there are none
+    sheets : of the cloths, where any lets light through
     """
 
     structure: Structure
@@ -38,6 +40,7 @@ class Geometry:
     meshes: tuple[Mesh, ...]
     albedo: np.ndarray
     reflectances: dict[str, Any] | None = None
+    sheets: Sheets | None = None
 
     @property
     def several(self) -> bool:
@@ -50,6 +53,7 @@ class Geometry:
             **self.structure.inputs(),
             **self.hit_vertices.inputs(),
             **(self.reflectances or {}),
+            **(self.sheets.inputs() if self.sheets is not None else {}),
             "cloth_triangles": self.hit_vertices.first_triangle[1],
             "radiance_per_irradiance": self.albedo / np.pi,
         }
@@ -68,6 +72,7 @@ class Method:
 
     lights_solids = False  # else the light of solids is Gaussians and suns, each as far as it is seen
     shows_threads = False  # whether its program takes the maps of inputs/methods/weave.glsl
+    behind = "inputs/visibility/behind_means.glsl"  # the file for "behind.glsl" of passes/picture/through.frag
     source = ""  # the GLSL file with `vec3 L_o(vec3 omega_o, mat3 surface_from_world)`
 
     def __init__(self, ctx: moderngl.Context):
@@ -118,6 +123,10 @@ class Method:
     def set_geometry(self, geometry: Geometry) -> list[Callable[[], None]]:
         """Say what rays from the cloth meet; returns what is to be called, in this order, before the draw."""
         return []
+
+    def behind_includes(self) -> dict[str, str]:
+        """What `#include` means in `behind`, by name."""
+        return {}
 
     def solids_program(self, defines: dict[str, Any]) -> Draw:
         """Where it `lights_solids`: the program of passes/picture/lambert.frag, for `inputs` and `passes`, with more constants."""

@@ -17,6 +17,7 @@ from ..gpu.memo import Last, same
 from ..gpu.programs import Draw, programs
 from ..light.environment import cube_map, cube_map_of_gaussians
 from ..light.lights import Lights
+from ..visibility.sheets import sight
 from .albedo import diffuse_albedo
 from .method import Geometry, Method
 from .settings import Settings
@@ -48,6 +49,7 @@ class Reference(Method):
     """
 
     lights_solids = True
+    behind = "inputs/methods/behind_sum.glsl"
     shows_threads = True
 
     def __init__(self, ctx: moderngl.Context):
@@ -93,7 +95,12 @@ class Reference(Method):
         if not self.traced:
             return {}
         visit = "inputs/accel/visit_closest.glsl" if self.bounces else "inputs/accel/visit_any.glsl"
-        return {"visit.glsl": visit, **tracing(self._geometry.structure)}
+        virtual = {"visit.glsl": visit, **tracing(self._geometry.structure)}
+        return virtual | {"inputs/visibility/along_ray.glsl": self._along}
+
+    def behind_includes(self) -> dict[str, str]:
+        """As for solids."""
+        return {"along.glsl": self._along, **self.includes()}
 
     def prepare(self, fabric: Fabric, lights: Lights, settings: Settings, part: int | None = None) -> None:
         """Upload the directions and their flux when the lights, the map or the resolution changed.
@@ -141,15 +148,17 @@ class Reference(Method):
         used = np.any(flux != 0.0, axis=1) | self.bounces
         records = np.zeros((int(used.sum()), 2, 4), "f4")
         records[:, 0, :3], records[:, 1, :3] = omega[used], flux[used]
+        records[:, 1, 3] = solid_angle[used]
         if self.traced:
-            records[:, 0, 3], records[:, 1, 3] = cast[used], solid_angle[used]
+            records[:, 0, 3] = cast[used]
         data.write(records)
         return len(records)
 
     def set_geometry(self, geometry: Geometry) -> list[Callable[[], None]]:
         """Say what rays meet; returns the dispatches that light the vertices for a bounce."""
         self._geometry = geometry
-        key = self._light, geometry.meshes
+        sheets = None if geometry.sheets is None else geometry.sheets.transmissions
+        key = self._light, geometry.meshes, sheets
         if not self.bounces or same(self._lit, key):
             return []
         self._lit = None
@@ -166,11 +175,11 @@ class Reference(Method):
     def _light_vertices(self, first: int, count: int) -> None:
         """Add the irradiance on both sides of every vertex from some of the directions, a ray for each."""
         structure, hit = self._geometry.structure, self._geometry.hit_vertices
-        virtual = {"visit.glsl": "inputs/accel/visit_any.glsl", **tracing(structure)}
-        program = programs(self.ctx).compute("passes/methods/reference_irradiance.comp", None, virtual)
+        defines, virtual, rays = sight(structure, self._geometry.sheets)
+        program = programs(self.ctx).compute("passes/methods/reference_irradiance.comp", defines, virtual)
         program.run(
             hit.vertex_count,
-            structure.inputs(),
+            rays,
             hit.inputs(),
             direction_data=self._vertex_lights,
             Irradiance=self._irradiance,
@@ -190,12 +199,20 @@ class Reference(Method):
             "direction_data": self._data,
             "irradiance_data": self._irradiance if self.bounces else self._data,
             "bounces": self.bounces,
+            "light_behind": self.bounces,
         }
+
+    @property
+    def _along(self) -> str:
+        """The file with `flux_along`."""
+        if not self.traced:
+            return "inputs/visibility/along_everything.glsl"
+        sheer = self._geometry.sheets is not None
+        return "inputs/visibility/along_sheer.glsl" if sheer else "inputs/visibility/along_ray.glsl"
 
     def solids_program(self, defines: dict[str, Any]) -> Draw:
         """The program that lights what stands about the cloth by the same sum."""
-        along = "inputs/visibility/along_ray.glsl" if self.traced else "inputs/visibility/along_everything.glsl"
-        virtual = {"lit.glsl": "inputs/visibility/lit_sum.glsl", "along.glsl": along, **self.includes()}
+        virtual = {"lit.glsl": "inputs/visibility/lit_sum.glsl", "along.glsl": self._along, **self.includes()}
         return programs(self.ctx).screen("passes/picture/lambert.frag", {**self.defines(), **defines}, virtual)
 
     def passes(self) -> Iterator[dict[str, Any]]:

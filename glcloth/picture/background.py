@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import moderngl
+import numpy as np
 
 from ..geometry.camera import lens_samples, sample_offsets
 from ..gpu.environment_map import EnvironmentMap
@@ -30,8 +33,14 @@ class Background:
                 programs(self.ctx).screen("passes/picture/background.frag"),
                 target,
                 blend="behind",
-                environment_map=self._map.texture(frame.environment),
-                environment_from_world=rotation_y(-frame.scene.env_rotate),
-                ray_from_pixel=camera.ray_from_pixel(target.size, offset),
+                **self.inputs(frame, camera.ray_from_pixel(target.size, offset)),
                 weight=1.0 / len(cameras),
             )
+
+    def inputs(self, frame: Frame, ray_from_pixel: np.ndarray) -> dict[str, Any]:
+        """The environment of a frame for passes that see it along rays, by its names in GLSL."""
+        return {
+            "environment_map": self._map.texture(frame.environment),
+            "environment_from_world": rotation_y(-frame.scene.env_rotate),
+            "ray_from_pixel": ray_from_pixel,
+        }

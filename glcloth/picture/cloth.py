@@ -8,6 +8,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from ..fabric import Fabric, Transmission
 from ..geometry.mesh import Mesh
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
@@ -15,9 +16,12 @@ from ..gpu.programs import Compute, Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
 from ..methods.method import Method
 from ..methods.registry import make_method
+from ..tracing.energy import reflection_limit
 from ..visibility.hit_vertices import HitSurface
+from ..visibility.irradiance import irradiance_table
 from ..visibility.pixels import SEEN_ALL, PixelView
 from ..visibility.probes import lift_off_facets, subdivided
+from ..visibility.sheets import mean_lambert, sees_through
 from ..visibility.vertices import FLAT
 from .adaptive import AdaptiveRate
 from .frame import Cloth, Frame
@@ -30,12 +34,14 @@ class ClothSurface(Surface):
     """Cloth number n of a frame; it keeps its methods, its fabric's records and what its vertices see."""
 
     method: Method
+    transmission: Transmission | None = None
 
     def __init__(self, ctx: moderngl.Context):
         super().__init__(ctx, FLAT)
         self.scene_buffers = SceneBuffers(ctx)
         self.methods: dict[str, Method] = {}
         self._finer: Last[Mesh] = Last()
+        self._passed: Last[tuple[np.ndarray, float]] = Last()
         self.adaptive_rate: AdaptiveRate | None = None
         self.threads = Threads(ctx)
 
@@ -62,8 +68,21 @@ class ClothSurface(Surface):
         self._narrowest = float(np.radians(min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in yarns)))
         drawn = self._finer.get(lambda: subdivided(cloth.mesh), cloth.mesh) if finer else cloth.mesh
         self._place(lambda: self._uploaded(drawn, cloth.mesh), drawn)
+        self._take_transmission(cloth.fabric, frame)
         self.threads.prepare(cloth.fabric, self.method, self.buffers, frame)
         self.adaptive &= not self.threads.shown  # between two pixels lie threads that neither sees
+
+    def _take_transmission(self, fabric: Fabric, frame: Frame) -> None:
+        """Where light passes through the fabric: how much evenly, whether straight on, and what is left to reflect."""
+        self.transmission, self._lights = fabric.transmission, frame.lights
+        self.sheer = sees_through(self.transmission)
+        passes, limit = np.zeros(3), 1.0
+        if self.transmission is not None:
+            passes, limit = self._passed.get(
+                lambda: (mean_lambert(fabric.transmission), reflection_limit(fabric)), fabric
+            )
+        self.visibility.passed, self.visibility.limit = passes, limit
+        self.adaptive &= limit == 1.0  # its passes have no weight
 
     def _uploaded(self, drawn: Mesh, original: Mesh) -> MeshBuffers:
         return MeshBuffers(self.ctx, drawn, lift_off_facets(drawn, original) if drawn is not original else None)
@@ -78,7 +97,7 @@ class ClothSurface(Surface):
 
     @property
     def reflectance(self) -> np.ndarray:
-        return self.visibility.furnace.albedo(self.scene_buffers)
+        return self.visibility.furnace.albedo(self.scene_buffers) * self.visibility.limit
 
     # -- shading -----------------------------------------------------------------------------------------------------
 
@@ -112,15 +131,43 @@ class ClothSurface(Surface):
     ) -> None:
         if number >= self.pass_count:
             return
-        share = {"pass_weight": weight, "pass_cover": weight / self.pass_count, "pixel_stride": 1}
+        limit = self.visibility.limit
+        share = {"pass_weight": weight * limit, "pass_cover": weight / self.pass_count, "pixel_stride": 1}
         inputs = self.inputs(view), share, self.passes[number]
         if not self.threads.shown:
             buffer.shade(self.program(buffer), *inputs, add=add, rows=rows)
-            return
+        else:
+            self._shade_threads(buffer, inputs, add, rows)
+        if self.transmission is not None:
+            self._shade_through(buffer, view, number, weight, rows)
+
+    def _shade_threads(self, buffer: GBuffer, inputs: tuple, add: bool, rows: tuple[int, int] | None) -> None:
         far, near = (self.threads.choose(buffer, which) for which in (False, True))
         buffer.shade(self.program(buffer), *inputs, add=add, rows=rows, part=far)
         woven = self.threads.inputs(self.method, buffer)
         buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=near)
+
+    def straight_inputs(self) -> dict[str, Any]:
+        return {} if self.transmission is None else self.transmission.model_dump()
+
+    def _shade_through(
+        self, buffer: GBuffer, view: PixelView, number: int, weight: float, rows: tuple[int, int] | None
+    ) -> None:
+        """Add what comes through from the other side, but for what goes straight on, which is drawn."""
+        sums = self.method.lights_solids  # over the directions of each pass
+        if not sums and number:
+            return
+        virtual = {"behind.glsl": self.method.behind, **self.method.behind_includes()}
+        program = programs(self.ctx).screen(
+            "passes/picture/through.frag", {**(self.method.defines() if sums else {}), **buffer.defines()}, virtual
+        )
+        if sums:
+            light = {**self.method.inputs(), **view.drawn_inputs(), **self.passes[number]}
+        else:
+            view.resolve_behind()
+            table = irradiance_table(self.ctx, self._lights)
+            light = {**self.scene_buffers.inputs(), **table, **view.behind_inputs(self.scene_buffers)}
+        buffer.shade(program, self.straight_inputs(), light, {"pass_weight": weight}, add=True, rows=rows)
 
     def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:
         if self.adaptive_rate is None:
@@ -129,3 +176,5 @@ class ClothSurface(Surface):
         yield from self.adaptive_rate.steps(
             buffer, self.program(buffer), self.list_program, self._narrowest, inputs, pace
         )
+        if self.transmission is not None:
+            self._shade_through(buffer, view, 0, 1.0, None)

@@ -203,7 +203,7 @@ class Renderer:
                     yield done, total
                 if gathering is not None:
                     gathering.see(target, surfaces, cameras[sample], sample)
-            for finished in self._shade(target, surfaces, number, 1.0 / len(samples), total > 1, pace):
+            for finished in self._shade(target, surfaces, number, 1.0 / len(samples), total > 1, pace, frame):
                 yield done + finished, total
         if gathering is not None:
             gathering.shaded(target)
@@ -229,10 +229,11 @@ class Renderer:
         yield from self.stage.see(target, frame, sample, pace)
 
     def _shade(
-        self, target: Target, surfaces: list[Surface], number: int, weight: float, add: bool, pace: Pace
+        self, target: Target, surfaces: list[Surface], number: int, weight: float, add: bool, pace: Pace, frame: Frame
     ) -> Iterator[bool]:
         """Shade the surfaces, pass by pass; yields after each part whether the pass is finished."""
-        parts = [(surface, *target.part(surface)) for surface in surfaces]
+        parts = [(surface, *part) for surface, part in target.parts(surfaces)]
+        target.clear_layers()
         for surface, buffer, view in parts:
             if surface.adaptive:
                 for _ in surface.shade_adaptively(buffer, view, pace):
@@ -243,9 +244,25 @@ class Renderer:
                 surface.shade(buffer, view, number, weight, add, band)
             if add or band is not None:
                 self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard between passes
-            yield band is None or sum(band) >= target.size[1]
+            last = band is None or sum(band) >= target.size[1]
+            if last:
+                self._composite(target, surfaces, number, weight, frame)
+            yield last
         if not in_bands:
+            self._composite(target, surfaces, number, weight, frame)
             yield True
+
+    def _composite(self, target: Target, surfaces: list[Surface], number: int, weight: float, frame: Frame) -> None:
+        """Add what is seen through cloth to the picture of a pass."""
+        if not target.layered:
+            return
+        if number == 0:
+            target.attenuate(surfaces)
+        environment = None
+        if frame.scene.background:
+            ray_from_pixel = target.part(surfaces[0]).buffer.ray_from_pixel
+            environment = self._background.inputs(frame, ray_from_pixel)
+        target.composite(weight if number == 0 else 0.0, environment)
 
     def draw_background(self, frame: Frame, target: moderngl.Framebuffer | None = None) -> None:
         """Draw the environment behind the last draw, or behind a copy of it in another framebuffer of its size."""

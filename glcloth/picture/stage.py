@@ -16,6 +16,7 @@ from ..methods.method import Geometry
 from ..scene import ShadowMode
 from ..visibility.bounce import Bounce
 from ..visibility.pixels import Occluders
+from ..visibility.sheets import Sheets
 from .cloth import ClothSurface
 from .frame import Frame
 from .pace import Pace
@@ -45,6 +46,7 @@ class Stage:
         self._solids = Solids(ctx)
         self._bounce = Bounce(ctx)
         self._bounces = False
+        self._sheets = Sheets(ctx, self._bounce.hit_vertices)
         self._structure: Last[Structure] = Last()
         self._triangles: Triangles | None = None
         self._tree: Structure | None = None
@@ -71,6 +73,7 @@ class Stage:
         structure = self.occluders(frame) if mode != "off" else None
         hit_vertices = self._bounce.hit_vertices
         several = len(self.surfaces) > 1
+        sheets = self._sheets_of(structure)
         if structure is not None and several:
             hit_vertices.prepare([surface.hit_surface for surface in self.surfaces], structure.triangles)
         for surface in self.surfaces:
@@ -80,8 +83,18 @@ class Stage:
                 ground = frame.objects is not None and frame.objects.ground is not None
                 occluders = Occluders(others, ground, hit_vertices)
             surface.visibility.prepare(
-                mode, surface.mesh, surface.original, structure, frame.lights, frame.scene.bounce, occluders
+                *(mode, surface.mesh, surface.original, structure, frame.lights, frame.scene.bounce, occluders),
+                sheets=sheets,
             )
+
+    def _sheets_of(self, structure: Structure | None) -> Sheets | None:
+        """The cloths as rays through a structure find them, where any lets light through."""
+        transmissions = [cloth.transmission for cloth in self.cloths_in_frame]
+        if structure is None or not any(transmissions):
+            return None
+        hit_vertices = self._bounce.hit_vertices
+        hit_vertices.prepare([surface.hit_surface for surface in self.surfaces], structure.triangles)
+        return self._sheets.prepare(transmissions)
 
     def occluders(self, frame: Frame) -> Structure:
         """The structure over all that hides light: the surfaces' triangles, one after the other, and the ground."""
@@ -136,22 +149,21 @@ class Stage:
             rows.append(self._solids.triangle_reflectances() if frame.objects else np.zeros((1, 4)))
             self._reflectance_data.write(np.concatenate(rows).astype("f4"))
             reflectances = {"reflectance_data": self._reflectance_data, "first_of_ground": first_of_ground}
-        return Geometry(
-            structure, hit_vertices, tuple(surface.mesh for surface in self.surfaces), albedos[0], reflectances
-        )
+        meshes = tuple(surface.mesh for surface in self.surfaces)
+        return Geometry(structure, hit_vertices, meshes, albedos[0], reflectances, self._sheets_of(structure))
 
     def see(self, target: Target, frame: Frame, sample: tuple[int, int], pace: Pace) -> Iterator[None]:
         """Find how far the pixels see the lights, and each other."""
         if shadow_mode(frame) == "off":
             return
-        parts = [target.part(surface) for surface in self.surfaces]
-        for surface, part in zip(self.surfaces, parts, strict=True):
+        parts = target.parts(self.surfaces)
+        for surface, part in parts:
             yield from surface.see(part.view, sample, pace)
         if not self._bounces:
             return
         reflectances = [(surface.visibility, surface.reflectance) for surface in self.surfaces]
         for _ in self._bounce.gather(reflectances, self.cloths[0].scene_buffers):
             yield from pace.pause(self.ctx)
-        for part in parts:
+        for _, part in parts:
             part.view.resolve_bounce()
         yield from pace.pause(self.ctx)

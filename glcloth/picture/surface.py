@@ -29,6 +29,7 @@ class Surface(ABC):
     buffers: MeshBuffers  # as it is drawn
     original: Mesh  # as it hides light
     pass_count = 1  # additive passes over a picture
+    sheer = False  # whether what is behind it is seen through it
     adaptive = False  # whether it shades all its pixels by `shade_adaptively`, before the others
 
     def __init__(self, ctx: moderngl.Context, steepness: float):
@@ -93,6 +94,10 @@ class Surface(ABC):
         if not pace.preview:
             for _ in view.edges(pace.slice):
                 yield from pace.pause(self.ctx)
+
+    def straight_inputs(self) -> dict[str, Any]:
+        """Where it is `sheer`: what inputs/picture/straight.glsl reads."""
+        raise NotImplementedError
 
     @abstractmethod
     def shade(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -11,10 +11,13 @@ import numpy as np
 from ..errors import InputError
 from ..geometry.camera import Camera
 from ..gpu.gbuffer import DepthOrder, Drawn, GBuffer
+from ..gpu.programs import programs
+from ..gpu.screen import draw_screen
 from ..visibility.pixels import PixelView
 from .surface import Surface
 
 LIGHT_PARTS = ("bounce", "transmission")
+MOST_LAYERS = 4  # of cloth that are seen through
 KEPT_SIZES = 3  # pictures that stay when the size changes, so that a window can change between two
 
 
@@ -25,8 +28,30 @@ class Part(NamedTuple):
     view: PixelView
 
 
+class Layer:
+    """What is seen through cloth behind one layer of it: a picture of its own, and how much of its light is left."""
+
+    def __init__(self, ctx: moderngl.Context, size: tuple[int, int]):
+        self.color = ctx.texture(size, 4, dtype="f4")
+        self.left = ctx.texture(size, 4, dtype="f2")
+        for texture in (self.color, self.left):
+            texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        self.target, self.left_target = ctx.framebuffer([self.color]), ctx.framebuffer([self.left])
+        self.cloth = DepthOrder(ctx, size)  # of the layer before it: the cloth that is seen through
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        for thing in (self.target, self.left_target, self.color, self.left, self.cloth):
+            thing.release()
+
+
 class Target:
-    """A colour texture, and a part for each surface; with `parted`, more textures for parts of the light."""
+    """A colour texture, and a part for each surface; with `parted`, more textures for parts of the light; and where cloth
+    is seen through, layers behind it.
+
+    The layers are found by depth peeling: each holds of all surfaces what is nearest behind the sheer cloth of the layer
+    before it. The last one has no sheer cloth, so that behind MOST_LAYERS of them objects and ground still stand.
+    """
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], parted: bool = False):
         self.ctx, self.size = ctx, size
@@ -35,45 +60,134 @@ class Target:
         for texture in (self.color, *light):
             texture.filter = moderngl.NEAREST, moderngl.NEAREST
         self.framebuffer = ctx.framebuffer([self.color])
-        self._parts: dict[Surface, Part] = {}
+        self._whole = ctx.framebuffer([self.color, *self.light]) if parted else self.framebuffer
+        self._parts: dict[tuple[Surface, int], Part] = {}
         self._order: DepthOrder | None = None
+        self._layers: list[Layer] = []  # behind the first
 
-    def part(self, surface: Surface) -> Part:
-        """The part of a surface, made at first use."""
-        if surface not in self._parts:
-            buffer = GBuffer(self.ctx, self.size, self.color, self.light)
-            self._parts[surface] = Part(buffer, PixelView(surface.visibility, buffer))
-        return self._parts[surface]
+    def part(self, surface: Surface, layer: int = 0) -> Part:
+        """The part of a surface in a layer, made at first use."""
+        if (surface, layer) not in self._parts:
+            picture = (self._layers[layer - 1].color,) if layer else (self.color, self.light)
+            buffer = GBuffer(self.ctx, self.size, *picture)
+            self._parts[surface, layer] = Part(buffer, PixelView(surface.visibility, buffer))
+        return self._parts[surface, layer]
+
+    def parts(self, surfaces: Sequence[Surface]) -> list[tuple[Surface, Part]]:
+        """The surfaces with their parts, in all layers."""
+        return [
+            (one, self.part(one, layer))
+            for layer in range(1 + len(self._layers))
+            for one in self._in_layer(surfaces, layer)
+        ]
+
+    def _in_layer(self, surfaces: Sequence[Surface], layer: int) -> Sequence[Surface]:
+        return surfaces if layer < MOST_LAYERS else [surface for surface in surfaces if not surface.sheer]
 
     def draw(
         self, surfaces: Sequence[Surface], camera: Camera, offset: tuple[float, float], rows: int
     ) -> Iterator[None]:
         """Draw surfaces, so many rows at a time, each pixel sampled at its centre + `offset`; then each G-buffer covers
-        the pixels where its surface is the nearest. Nothing is done where they hold just that.
+        the pixels where its surface is the nearest of its layer. Nothing is done where they hold just that.
 
         The last surface comes first: the objects are drawn whole and then cut where cloth hides them.
         """
         ranges = [surface.depth_range(camera) for surface in surfaces]
         far = max(far for _, far in ranges)
         depths = max(min(near for near, _ in ranges), 1e-5 * far), far
-        wanted: list[Drawn] = []
-        for surface in reversed(surfaces):
-            wanted.append(Drawn(surface.buffers, camera, offset, depths, tuple(wanted)))
-        buffers = [self.part(surface).buffer for surface in reversed(surfaces)]
+        self._reserve(MOST_LAYERS if any(surface.sheer for surface in surfaces) else 0)
+        drawn: tuple[Drawn, ...] = ()
+        for layer in range(1 + len(self._layers)):
+            here = self._in_layer(surfaces, layer)
+            wanted: list[Drawn] = []
+            for surface in reversed(here):
+                wanted.append(Drawn(surface.buffers, camera, offset, depths, tuple(wanted), drawn))
+            yield from self._draw_layer(layer, here, wanted, rows, surfaces)
+            drawn = tuple(wanted)
+
+    def _draw_layer(
+        self, layer: int, here: Sequence[Surface], wanted: list[Drawn], rows: int, surfaces: Sequence[Surface]
+    ) -> Iterator[None]:
+        buffers = [self.part(surface, layer).buffer for surface in reversed(here)]
         if all(buffer.drawn == one for buffer, one in zip(buffers, wanted, strict=True)):
             return
-        if len(surfaces) == 1:
-            yield from buffers[0].draw_bands(wanted[0], rows)
+        behind = self._cloth_before(layer, surfaces) if layer else None
+        if len(here) == 1:
+            yield from buffers[0].draw_bands(wanted[0], rows, None, behind)
             return
         order = self._order = self._order or DepthOrder(self.ctx, self.size)
         order.clear()
         for number, (buffer, one) in enumerate(zip(buffers, wanted, strict=True)):
             buffer.forget()
-            yield from buffer.draw_bands(one, rows, order.nearest if number else None)
+            yield from buffer.draw_bands(one, rows, order.nearest if number else None, behind)
             order.add(buffer)
         for number, buffer in enumerate(buffers):
             for later in buffers[number + 1 :]:
                 buffer.cut(later)
+
+    # -- layers ------------------------------------------------------------------------------------------------------
+
+    def _reserve(self, count: int) -> None:
+        """Have so many layers behind the first; their memory is freed when there are none."""
+        while len(self._layers) < count:
+            self._layers.append(Layer(self.ctx, self.size))
+        if len(self._layers) > count:
+            self.ctx.detect_framebuffer(0).use()
+            for surface, layer in [key for key in self._parts if key[1] > count]:
+                for thing in self._parts.pop((surface, layer)):
+                    thing.release()
+            while len(self._layers) > count:
+                self._layers.pop().release()
+
+    def _cloth_before(self, layer: int, surfaces: Sequence[Surface]) -> moderngl.Texture:
+        """The depth of the sheer cloth in the layer before this one; the far plane's elsewhere."""
+        cloth = self._layers[layer - 1].cloth
+        cloth.clear()
+        for surface in self._in_layer(surfaces, layer - 1):
+            if surface.sheer:
+                cloth.add(self.part(surface, layer - 1).buffer)
+        return cloth.nearest
+
+    def clear_layers(self) -> None:
+        """Black, alpha 0, in all layers but the first."""
+        for layer in self._layers:
+            layer.target.use()
+            layer.target.clear(0.0, 0.0, 0.0, 0.0)
+
+    def attenuate(self, surfaces: Sequence[Surface]) -> None:
+        """Find how much of the light of each layer is left."""
+        program = programs(self.ctx).screen("passes/picture/left.frag") if self._layers else None
+        for number, layer in enumerate(self._layers):
+            layer.left_target.use()
+            layer.left_target.clear(0.0, 0.0, 0.0, 0.0)
+            for surface in self._in_layer(surfaces, number):
+                if program is None or not surface.sheer:
+                    continue
+                buffer = self.part(surface, number).buffer
+                before = {"left": self._layers[number - 1].left} if number else {}
+                values = {**surface.straight_inputs(), **before, "first": number == 0}
+                draw_screen(program, layer.left_target, buffer.inputs(), values, blend="add")
+
+    def composite(self, beyond_weight: float, environment: dict[str, Any] | None) -> None:
+        """Add the layers to the picture as far as their light is left; and where nothing is left to be seen behind
+        them, the environment, or, without one, transparency.
+
+        Parameters
+        ----------
+        beyond_weight : share of this sample in the pixel; 0: the environment is there already
+        environment : what passes/picture/composite.frag reads of it; None: none
+        """
+        if not self._layers:
+            return
+        program = programs(self.ctx).screen("passes/picture/composite.frag", {"PARTS": 1} if self.light else None)
+        values = {**(environment or {}), "has_environment": environment is not None, "beyond_weight": beyond_weight}
+        for layer in self._layers:
+            draw_screen(program, self._whole, values, blend="add", left=layer.left, layer=layer.color)
+
+    @property
+    def layered(self) -> bool:
+        """Whether the last draw had cloth that is seen through."""
+        return bool(self._layers)
 
     def clear(self) -> None:
         """Black, alpha 0, everywhere."""
@@ -95,8 +209,12 @@ class Target:
             view.release()
         if self._order is not None:
             self._order.release()
+        for layer in self._layers:
+            layer.release()
         self.ctx.detect_framebuffer(0).use()
         self.framebuffer.release()
+        if self._whole is not self.framebuffer:
+            self._whole.release()
         for texture in (self.color, *self.light):
             texture.release()
 

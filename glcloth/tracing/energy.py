@@ -7,9 +7,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..fabric import Fabric
+from ..fabric import Fabric, Transmission
 from ..twins.cloth import f_cloth
-from ..twins.sheet import T_sheet
+from ..twins.sheet import R_sheet, T_lambert, T_sheet, T_straight
 
 
 @lru_cache(maxsize=2)
@@ -52,12 +52,23 @@ def mean_albedo(fabric: Fabric) -> np.ndarray:
 
 
 def reflection_limit(fabric: Fabric) -> float:
-    """The factor, at most 1, by which the reflection must be dimmed so that with the transmission no energy is gained.
+    """The factor, at most 1, by which the reflection must be dimmed so that with all that passes or is mirrored no
+    energy is gained: T_sheet (what the curtain sends straight on) or T_straight + T_lambert, and R_sheet. Nearer the
+    horizon than it looks the yarns mirror up to all light, and `R_limited` holds that back.
 
     Paper A's model does not promise an albedo below 1, and knows nothing of light that passes.
     """
     omega, albedo = _albedos(fabric)
-    t = fabric.transmission
-    room = 1.0 - (T_sheet(omega, t.k_a, t.k_t, np.array(t.tau), t.rho) if t else 0.0)
+    room = 1.0 - (_taken(fabric.transmission, omega) if fabric.transmission else 0.0)
     with np.errstate(divide="ignore"):
         return float(min(1.0, np.min(np.where(albedo > 0, room / albedo, np.inf))))
+
+
+def _taken(t: Transmission, omega: np.ndarray) -> np.ndarray:
+    """The share [N, 3] of light along omega [N, 3] that passes or is mirrored."""
+    tau = np.array(t.tau)
+    straight = T_straight(omega, t.k_a, t.k_t, tau, t.rho, t.diffuse)
+    passed = np.maximum(
+        T_sheet(omega, t.k_a, t.k_t, tau, t.rho), straight + T_lambert(omega, t.k_t, tau, t.rho, t.diffuse)
+    )
+    return np.minimum(passed + R_sheet(omega, t.k_t, t.rho, t.eta_1, t.eta_2)[:, None], 1.0)

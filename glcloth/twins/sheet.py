@@ -50,3 +50,42 @@ def R_sheet(omega, k_t, rho, eta_1, eta_2):
     """The part of a ray that the yarns mirror.   [own]"""
     cos = np.abs(np.asarray(omega, float)[..., 2])
     return (1 - T_open(omega, rho)) * (1 - np.asarray(k_t)) * F_interface(cos, eta_1, eta_2)
+
+
+def R_limited(R, T, albedo):
+    """What is mirrored, at most what T and the albedo [..., 3] leave.   [own]"""
+    return np.clip((1 - np.asarray(T) - np.asarray(albedo)).min(-1), 0.0, R)
+
+
+def diffuse_transmittance(x):
+    """What passes of even light by a depth x on the way: 2 E_3(x), fitted.   [own]"""
+    x = np.asarray(x, float)
+    return np.exp(-x * (1 + 1 / (1 + 0.934 * np.maximum(x, 0) ** 0.665)))
+
+
+def f_lambert(omega_i, omega_o, k_t, tau, rho, diffuse):
+    """The Lambertian share of the yarns' term of one light, absorption and cosine included, [..., 3], 1/sr.   [own]"""
+    omega_i, omega_o = np.asarray(omega_i, float), np.asarray(omega_o, float)
+    share = covered(omega_i, omega_o, rho) * k_t * np.maximum(omega_i[..., 2], 0) * diffuse / (2 * np.pi)
+    crosses = (omega_i[..., 2] > 0) & (omega_o[..., 2] < 0)
+    return np.where(crosses, share, 0.0)[..., None] * absorption(omega_i, omega_o, tau)
+
+
+def T_straight(omega, k_a, k_t, tau, rho, diffuse):
+    """What goes on straight, of the energy split, [..., 3].   [own]"""
+    return T_sheet(omega, k_a, np.asarray(k_t) * (1 - np.asarray(diffuse) / 2), tau, rho)
+
+
+def holes_of_even_light(open, rho):
+    """The larger T_open of a direction, `open`, and of even light, in the mean over its half space; fitted.   [own]"""
+    most = np.maximum(1 - np.asarray(rho, float), 1e-6)
+    s = np.sqrt(most)
+    return most * (s + (1 - s) * np.minimum(open / most, 1) ** (1 / (1 - 0.78 * s)))
+
+
+def T_lambert(omega, k_t, tau, rho, diffuse):
+    """What passes evenly, [..., 3]: radiance T_lambert E / pi of the irradiance E behind.   [own]"""
+    omega, tau = np.asarray(omega, float), np.asarray(tau, float)
+    share = (1 - holes_of_even_light(T_open(omega, rho), rho)) * k_t * diffuse / 2
+    slant = np.maximum(np.abs(omega[..., 2]), 0.1)[..., None]
+    return share[..., None] * diffuse_transmittance(tau / 2) * np.exp(-tau / 2 / slant)

@@ -10,7 +10,6 @@ from collections.abc import Iterator, Sequence
 import moderngl
 import numpy as np
 
-from ..accel.structure import tracing
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import same
 from ..gpu.programs import programs
@@ -18,6 +17,7 @@ from ..gpu.scene_buffers import SceneBuffers
 from .hit_vertices import HitVertices
 from .irradiance import irradiance_table
 from .pixels import PixelVisibility
+from .sheets import sight
 
 
 class Bounce:
@@ -40,7 +40,10 @@ class Bounce:
         source : has the lights
         """
         key = tuple(
-            (visibility, visibility.vertices.version, share.tobytes() if share.ndim == 1 else share)
+            (
+                *(visibility, visibility.vertices.version, visibility.passed.tobytes()),
+                share.tobytes() if share.ndim == 1 else share,
+            )
             for visibility, share in surfaces
         )
         if same(self._key, (key, surfaces[0][0].structure)):
@@ -62,11 +65,13 @@ class Bounce:
         each = share.ndim > 1
         if each:
             self._reflectances.write(share)
-        virtual = tracing(visibility.structure)
-        program = programs(self.ctx).compute("passes/visibility/bounce_radiance.comp", None, virtual)
-        inputs = visibility.structure.inputs() | source.inputs() | hit.inputs()
+        defines, virtual, rays = sight(visibility.structure, visibility.sheets)
+        program = programs(self.ctx).compute("passes/visibility/bounce_radiance.comp", defines, virtual)
+        inputs = rays | source.inputs() | hit.inputs()
         inputs |= irradiance_table(self.ctx, visibility.lights)
         inputs |= {"mean_data": vertices.means, "group_count": vertices.groups, "reflectance_data": self._reflectances}
-        own = {"own_reflectance": each, "reflectance": np.zeros(3) if each else share}
+        own: dict = {"own_reflectance": each, "reflectance": np.zeros(3) if each else share}
+        if visibility.sheets is not None:
+            own["passed"] = visibility.passed
         items = {"first_item": first, "vertex_count": end - first, "offset": hit.offset}
         program.run(end - first, inputs, own, items, Radiance=self._radiance)

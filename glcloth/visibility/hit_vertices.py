@@ -102,6 +102,10 @@ class HitVertices:
         position and normal, each with a lift, and tangent), and where the ground's are."""
         return {"corner_index": self._corners, "vertex_data": self._vertices, **self._ground}
 
+    def inputs_of_hits(self) -> dict[str, Any]:
+        """The same corners and vertices by the names of inputs/visibility/sheets.glsl, for passes that have others."""
+        return {"hit_corners": self._corners, "hit_vertices": self._vertices}
+
 
 def _ground_uniforms(ground: Ground, first: int) -> dict[str, Any]:
     """The uniforms of inputs/visibility/ground_cell.glsl; `first` is the number of the ground's first vertex."""

@@ -10,7 +10,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ..accel.structure import Structure, tracing
+from ..accel.structure import Structure
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer
@@ -22,6 +22,7 @@ from ..scene import ShadowMode
 from ..twins.visibility import own_directions
 from .furnace import Furnace
 from .hit_vertices import HitVertices
+from .sheets import Sheets, sight
 from .vertices import FEWEST, FLAT, NARROW, VertexVisibility, broad_number, sun_number, top_number
 
 # Choices for "seen.glsl" in a program that shades.
@@ -66,6 +67,10 @@ class PixelVisibility:
         self.occluders: Occluders | None = None
         self._structure: Structure | None = None
         self.lights: Lights
+        self.sheets: Sheets | None = None
+        self.passed = np.zeros(3)  # what of even light comes evenly through the mesh
+        self.limit = 1.0  # by which its reflection is dimmed
+        self._transmissions: tuple = ()
         self._meshes: tuple[Mesh, ...] = ()  # whose vertices were taken, and the others that hide light
 
     def follow_poses(self, follow: bool) -> None:
@@ -82,12 +87,18 @@ class PixelVisibility:
         lights: Lights,
         bounce: bool = True,
         occluders: Occluders | None = None,
+        sheets: Sheets | None = None,
     ) -> None:
         """Take meshes, lights and mode. `mesh` is drawn, `original` is the one before subdivision, `structure` holds
-        all that hides light: the mesh and its `occluders`; None where the mode is "off"."""
+        all that hides light: the mesh and its `occluders`; None where the mode is "off". `sheets`: of the cloths, where
+        any lets light through."""
         self.mode, self._structure, self.lights, self.bounce = mode, structure, lights, bounce
         self.occluders = occluders
         self.vertices.hit_vertices = None if occluders is None else occluders.hit_vertices
+        self.sheets = self.vertices.sheets = sheets
+        transmissions = () if sheets is None else sheets.transmissions
+        if transmissions != self._transmissions:
+            self._transmissions, self._meshes = transmissions, ()
         meshes = mesh, *self.others
         if mode == "full" and structure is not None and not same(self._meshes, meshes):
             if self.follow and is_next_pose(self._meshes, meshes):
@@ -107,6 +118,11 @@ class PixelVisibility:
     def others(self) -> tuple[Mesh, ...]:
         """The other meshes that hide light."""
         return () if self.occluders is None else self.occluders.meshes
+
+    @property
+    def transmissions(self) -> tuple:
+        """Of all cloths, where any lets light through: the same objects as long as none changes."""
+        return self._transmissions
 
     @property
     def over_ground(self) -> bool:
@@ -159,7 +175,7 @@ class PixelVisibility:
         """The bounce's inputs from the fabric of this mesh, by their names in GLSL."""
         if self.mode != "full" or not self.bounce:
             return {"albedo": np.zeros(3)}
-        names: dict[str, Any] = {"albedo": self.furnace.albedo(fabric)}
+        names: dict[str, Any] = {"albedo": self.furnace.albedo(fabric) * self.limit + self.passed}
         return names if self.occluders is None else names | {"views": self.furnace.views(fabric)}
 
 
@@ -172,6 +188,10 @@ class PixelView:
         self._bounced: moderngl.TextureArray | None = None
         self._resolved: Last[None] = Last()
         self._bounce_resolved: Last[None] = Last()
+        self._seen_behind: moderngl.TextureArray | None = (
+            None  # rgb of each sun, see passes/visibility/suns_behind.comp
+        )
+        self._behind_resolved: Last[None] = Last()
         self._sample = 0, 1
         self._numbers: dict[str, int] = {}  # where which value is
         self._edges_done = 0  # tiles from whose pixels rays went into the narrow Gaussians
@@ -196,7 +216,7 @@ class PixelView:
         seen = self._reserve(first_sun // 4 + -(-len(lights.suns) // 4))
         version = visibility.vertices.version if visibility.mode == "full" else 0
         hidden = visibility.mode, visibility.structure, visibility.others
-        key = lights, self.buffer.drawn, sample, *hidden, seen, version
+        key = lights, self.buffer.drawn, sample, *hidden, seen, version, visibility.transmissions
         self._resolved.get(lambda: self._fill(seen, first_sun // 4), *key)
 
     def _reserve(self, layers: int) -> moderngl.TextureArray:
@@ -217,8 +237,9 @@ class PixelView:
         suns = visibility.lights.suns
         if len(suns):
             self._sun_data.write(_texels(suns.direction))
-            program = programs(self.ctx).compute("passes/visibility/suns.comp", None, tracing(visibility.structure))
-            inputs = visibility.structure.inputs() | buffer.inputs()
+            defines, virtual, rays = sight(visibility.structure, visibility.sheets)
+            program = programs(self.ctx).compute("passes/visibility/suns.comp", defines, virtual)
+            inputs = rays | buffer.inputs()
             numbers = {"sun_count": len(suns), "first_layer": sun_layer}
             program.run(buffer.size, inputs, numbers, sun_data=self._sun_data, seen=seen)
 
@@ -245,8 +266,9 @@ class PixelView:
         if not layers:
             return
         self._edge_data.write(_texels(directions.reshape(-1, 3)))
-        program = programs(self.ctx).compute("passes/visibility/narrow.comp", None, tracing(visibility.structure))
-        inputs = visibility.structure.inputs() | self._vertex_inputs()
+        defines, virtual, rays = sight(visibility.structure, visibility.sheets)
+        program = programs(self.ctx).compute("passes/visibility/narrow.comp", defines, virtual)
+        inputs = rays | self._vertex_inputs()
         inputs |= {"mean_data": visibility.vertices.means, "group_count": visibility.vertices.groups, "seen": self.seen}
         inputs |= {"direction_data": self._edge_data, "direction_count": directions.shape[1], "row_tiles": width}
         count = FEWEST_TILES
@@ -265,6 +287,51 @@ class PixelView:
     def forget_edges(self) -> None:
         """Let `edges` begin anew."""
         self._edges_done = 0
+
+    def resolve_behind(self) -> None:
+        """Find what is left of the suns on the other side of the mesh, which lets light through, for the G-buffer as it is
+        drawn now."""
+        visibility, buffer, suns = self.visibility, self.buffer, self.visibility.lights.suns
+        if visibility.mode == "off" or not len(suns):
+            return
+        if self._seen_behind is None or self._seen_behind.layers < len(suns):
+            if self._seen_behind is not None:
+                self._seen_behind.release()
+            self._seen_behind = self.ctx.texture_array((*buffer.size, len(suns)), 4, dtype="f1")
+            self._seen_behind.filter = moderngl.NEAREST, moderngl.NEAREST
+        hidden = visibility.structure, visibility.others, visibility.transmissions
+        key = suns, buffer.drawn, *hidden, self._seen_behind
+        self._behind_resolved.get(self._fill_behind, *key)
+
+    def _fill_behind(self) -> None:
+        suns, buffer, visibility = self.visibility.lights.suns, self.buffer, self.visibility
+        self._sun_data.write(_texels(suns.direction))
+        _, virtual, rays = sight(visibility.structure, visibility.sheets)
+        program = programs(self.ctx).compute("passes/visibility/suns_behind.comp", None, virtual)
+        inputs = rays | buffer.inputs() | self.drawn_inputs()
+        program.run(buffer.size, inputs, sun_data=self._sun_data, seen_behind=self._seen_behind, sun_count=len(suns))
+
+    def drawn_inputs(self) -> dict[str, Any]:
+        """The vertices and corners of the mesh as it is drawn, by the names of inputs/visibility/origin_behind.glsl."""
+        assert self.buffer.drawn is not None
+        mesh = self.buffer.drawn.mesh
+        return {"drawn_vertices": mesh.vertices, "drawn_corners": mesh.indices}
+
+    def behind_inputs(self, fabric: SceneBuffers) -> dict[str, Any]:
+        """Inputs of inputs/visibility/behind_means.glsl but for the lights and the irradiance table."""
+        visibility = self.visibility
+        full, gathers = visibility.mode == "full", visibility.bounce and visibility.occluders is not None
+        return {
+            **self.drawn_inputs(),
+            "mean_data": visibility.vertices.means,
+            "bounced_data": visibility.vertices.bounced,
+            "group_count": visibility.vertices.groups,
+            "sees_gaussians": not full,
+            "sees_suns": visibility.mode == "off",
+            "gathers": full and gathers,
+            "albedo_behind": np.zeros(3) if gathers else visibility.inputs(fabric)["albedo"],
+            **({} if self._seen_behind is None else {"seen_behind": self._seen_behind}),
+        }
 
     def resolve_bounce(self) -> None:
         """Bring the vertices' bounced light (`Bounce.gather`) to the pixels of the G-buffer as it is drawn now."""
@@ -287,7 +354,7 @@ class PixelView:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (self.seen, self._bounced, self._sun_data, self._edge_data):
+        for thing in (self.seen, self._bounced, self._seen_behind, self._sun_data, self._edge_data):
             if thing is not None:
                 thing.release()
 

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from ..accel.queries import RayQueries
-from ..accel.structure import Structure, tracing
+from ..accel.structure import Structure
 from ..color import luminance
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import TextureBuffer
@@ -19,6 +19,7 @@ from ..light.lights import Lights, SphericalGaussians
 from ..twins.visibility import LEAST, gaussian_table, own_directions, world_directions
 from .hit_vertices import HitVertices
 from .probes import Probes, place_probes
+from .sheets import SIGHT_ANY, SIGHT_CLOSEST, Sheets, sight
 
 DIRECTIONS = 256
 WORD = 32
@@ -58,6 +59,7 @@ class VertexVisibility:
         self.done = self.groups = 0
         self.version = self.bounced_version = 0  # of `means` and of `bounced`: change when these do
         self.hit_vertices: HitVertices | None = None
+        self.sheets: Sheets | None = None  # of cloth that lets light through, if there is any; set before `start`
         self._queries = RayQueries(ctx)
         self._data = {name: TextureBuffer(ctx, 16, texel) for name, texel in DATA.items()}
         self._bounce_sums = TextureBuffer(ctx, 16)
@@ -88,7 +90,7 @@ class VertexVisibility:
         self._integrated.forget()
         self._upload_probes(self._offset_between_layers())
         count, data = len(probes.points), self._data
-        data["bit_data"].write(np.zeros((self.share // WORD, count), "u4"))
+        data["bit_data"].write(np.zeros((self.share // self.word, count), "u4"))
         if self.hit_vertices is not None:
             data["hit_data"].reserve(4 * self.share * count)
         self._write_directions([])
@@ -141,6 +143,11 @@ class VertexVisibility:
         return max(DIRECTIONS // self.classes, WORD)
 
     @property
+    def word(self) -> int:
+        """Directions whose visibility is one word of `bit_data`: a bit each, or a byte where cloth lets light through."""
+        return WORD if self.sheets is None else 4
+
+    @property
     def complete(self) -> bool:
         """True when all fixed directions are traced."""
         return self.done == self.share
@@ -162,9 +169,11 @@ class VertexVisibility:
         """Trace directions number first to last - 1 of every class, all in one word of bits."""
         hits = self.hit_vertices if last <= self.share else None
         path = "passes/visibility/trace.comp" if hits is None else "passes/visibility/hits.comp"
-        program = programs(self.ctx).compute(path, None, tracing(self._structure))
+        opaque = SIGHT_ANY if hits is None else SIGHT_CLOSEST
+        defines, virtual, rays = sight(self._structure, self.sheets, opaque)
+        program = programs(self.ctx).compute(path, defines, virtual)
         outputs = {"Bits": self._data["bit_data"], "Hits": self._data["hit_data"]}
-        inputs = self._structure.inputs() | outputs | ({} if hits is None else hits.inputs())
+        inputs = rays | outputs | ({} if hits is None else hits.inputs())
         part = {"first_direction": first, "last_direction": last}
         self._run_classes(program, inputs, class_directions=len(self._traced[0]), **part)
 
@@ -190,7 +199,7 @@ class VertexVisibility:
         self._sharp = None
         self._narrow = np.flatnonzero(gaussians.sharpness >= NARROW)
         self._write_directions([own_directions(gaussians.axis[k], gaussians.sharpness[k], OWN) for k in self._narrow])
-        words = -(-len(self._traced[0]) // WORD)
+        words = -(-len(self._traced[0]) // self.word)
         self._data["bit_data"].extend(4 * words * len(self.probes.points))
         first = self.share
         while first < len(self._traced[0]):
@@ -226,7 +235,7 @@ class VertexVisibility:
         data["sum_data"].reserve(32 * self.groups * len(self.probes.points))
         self.means.reserve(8 * self.groups * vertices)
         self._write_entries(tables)
-        program = programs(self.ctx).compute("passes/visibility/mean.comp")
+        program = programs(self.ctx).compute("passes/visibility/mean.comp", self._bytes)
         sizes = {"last_item": vertices, "group_count": self.groups, "steepness": self.steepness}
         self._run_classes(program, sizes, first_broad, Sums=data["sum_data"])
         sums = sum(table.sum(0) for table in tables)
@@ -238,6 +247,11 @@ class VertexVisibility:
         program = programs(self.ctx).compute("passes/visibility/spread.comp")
         program.run((vertices, self.groups), data, sizes, Means=self.means)
         self.version += 1
+
+    @property
+    def _bytes(self) -> dict[str, int]:
+        """Defines of passes that read what was traced."""
+        return {} if self.sheets is None else {"SHEER": 1}
 
     def _write_entries(self, tables: list[np.ndarray]) -> None:
         """Upload the directions that count for each four columns of the tables of all classes."""
@@ -264,7 +278,7 @@ class VertexVisibility:
         records = np.zeros((DIRECTIONS, 4), "f4")
         records[:, :3], records[:, 3] = self.directions, weight
         self._data["light_data"].write(records)
-        program = programs(self.ctx).compute("passes/visibility/broad.comp")
+        program = programs(self.ctx).compute("passes/visibility/broad.comp", self._bytes)
         numbers = {"group": first_broad, "top_number": top_number(len(gaussians)), "group_count": self.groups}
         counts = {"share": self.share, "direction_count": self.done}
         self._run_classes(program, numbers | counts, Sums=self._data["sum_data"])

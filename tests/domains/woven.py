@@ -39,11 +39,25 @@ DOMAINS = {
     "tau": lambda rng, count: rng.uniform(0, 3, (count, 3)),
     "h": above_horizon,
     "cos_lh": between(0.0, 1.0),
+    "open": between(0.0, 1.0),
+    "x": between(0.0, 10.0),
+    "R": between(0.0, 1.0),
+    "T": lambda rng, count: rng.uniform(0, 1, (count, 3)),
+    "albedo": lambda rng, count: rng.uniform(0, 1, (count, 3)),
 }
 SPECIAL = {
-    **{(name, "omega_i"): off_horizon(above_horizon) for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "h_t")},
-    **{(name, "omega_o"): off_horizon(below_horizon) for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "h_t")},
-    **{(name, "omega"): off_horizon(directions) for name in ("T_open", "T_sheet", "R_sheet", "G_1_smith")},
+    **{
+        (name, "omega_i"): off_horizon(above_horizon)
+        for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "f_lambert", "h_t")
+    },
+    **{
+        (name, "omega_o"): off_horizon(below_horizon)
+        for name in ("f_GGX", "f_straight", "f_yarn", "f_through", "f_lambert", "h_t")
+    },
+    **{
+        (name, "omega"): off_horizon(directions)
+        for name in ("T_open", "T_sheet", "T_straight", "T_lambert", "R_sheet", "G_1_smith")
+    },
     **{(name, o): off_horizon(directions) for name in ("covered", "absorption") for o in ("omega_i", "omega_o")},
 }
 TOLERANCE = {
@@ -56,5 +70,9 @@ TOLERANCE = {
     "T_open": (3e-5, 1e-5),
     "covered": (3e-5, 1e-5),
     "T_sheet": (3e-5, 1e-5),
+    "T_straight": (3e-5, 1e-5),
+    # Where nearly all is open 1 - holes is a difference of near numbers.
+    "T_lambert": (3e-5, 1e-5),
+    "f_lambert": (3e-5, 1e-5),
     "R_sheet": (3e-5, 1e-5),
 }

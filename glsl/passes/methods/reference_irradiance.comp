@@ -1,9 +1,8 @@
 #version 430
 // Irradiance at the vertices of the cloth and the objects, on both sides, from the directions that no triangle hides:
 // `direction_count` of them from `first_direction` on are added.
-#include "inputs/accel/ray.glsl"
-#include "visit.glsl"
-#include "accel.glsl"
+// Defines: SHEER, where cloth lets light through.
+#include "sight.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 uniform samplerBuffer direction_data;  // pairs: (omega, -), (flux, -)
@@ -25,9 +24,15 @@ void main() {
         vec3 omega = texelFetch(direction_data, 2 * d).xyz;
         vec3 flux = texelFetch(direction_data, 2 * d + 1).rgb;
         float cos_theta = dot(omega, N.xyz);
+        vec3 origin = position.xyz + (cos_theta < 0.0 ? -offset - N.w : offset + position.w) * N.xyz;
+#ifdef SHEER
+        Visit first;
+        flux *= left_along(origin, omega, first);
+#else
         Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
-        traverse(make_ray(position.xyz + (cos_theta < 0.0 ? -offset - N.w : offset + position.w) * N.xyz, omega, 0.0, 3e38), visit);
+        traverse(make_ray(origin, omega, 0.0, 3e38), visit);
         if (visit.triangle != NO_TRIANGLE) continue;
+#endif
         front += flux * max(cos_theta, 0.0);
         back += flux * max(-cos_theta, 0.0);
     }

@@ -16,11 +16,15 @@ uniform sampler2D nearer;  // the depth of what was drawn before
 uniform bool hidden_by_others;
 uniform int one_sided_from;   // from this triangle on only the front is drawn
 #endif
+#ifdef BEHIND
+uniform sampler2D behind;     // the depth of cloth that lets light through: only what is behind it is drawn
+#endif
 layout(location = 0) out vec4 frame_N;  // N, and 1 or -1: the handedness of (x, y, N); 0 where nothing is drawn
 layout(location = 1) out vec4 frame_x;  // x, and the side of the sheet that is seen: 1 front, -1 back
 layout(location = 2) out vec4 frame_p;  // where rays start, world; the number of the triangle
 layout(location = 3) out vec2 frame_b;  // barycentric coordinates of the triangle's second and third corner
 
+const float BEHIND_STEP = 4e-7;  // of the depth: some steps of its 24 bits
 const float OFFSET = 0.02;  // of the triangle's size: how far rays start from it
 
 void main() {
@@ -53,6 +57,9 @@ void main() {
     step_off += dot(weights, lift) * normalize(weights.x * n_a + weights.y * n_b + weights.z * n_c);
     frame_p = vec4(lifted(x, weights, a, b, c, n_a, n_b, n_c) + step_off, float(number));
     frame_b = weights.yz;
+#ifdef BEHIND
+    if (gl_FragCoord.z <= texelFetch(behind, ivec2(gl_FragCoord.xy), 0).r + BEHIND_STEP) discard;
+#endif
 #ifdef AMONG_OTHERS
     if (hidden_by_others && gl_FragCoord.z > texelFetch(nearer, ivec2(gl_FragCoord.xy), 0).r) discard;
     if (number >= one_sided_from && !gl_FrontFacing) discard;

@@ -99,7 +99,8 @@ void main() {
     }
 #endif
     through *= weight.rgb;
-    vec3 mirrored = weight.rgb * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
+    float R = R_sheet(omega_o, k_t, rho, eta_1, eta_2);
+    vec3 mirrored = weight.rgb * R_limited(R, T_sheet(omega_o, k_a, k_t, tau, rho), cloth_albedo);
     bool goes_on = live && level < last_level && largest(through) > cutoff;
     bool is_mirrored = live && level < last_level && largest(mirrored) > cutoff;
     uint onward_claim = goes_on ? claim(ONWARD) : 0u;

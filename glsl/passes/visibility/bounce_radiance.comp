@@ -3,9 +3,8 @@
 #include "core/math.glsl"
 #include "inputs/picture/lights.glsl"
 #include "inputs/visibility/irradiance_table.glsl"
-#include "inputs/accel/ray.glsl"
-#include "inputs/accel/visit_any.glsl"
-#include "accel.glsl"
+// Defines: SHEER, where cloth lets light through.
+#include "sight.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 uniform usamplerBuffer mean_data;        // passes/visibility/spread.comp
@@ -18,6 +17,7 @@ uniform int group_count;
 uniform float offset;                    // how far from the vertex rays start, beyond its own lift
 uniform bool own_reflectance;
 uniform vec3 reflectance;                // else
+uniform vec3 passed;                     // what of the other side's light comes evenly through
 
 void main() {
     int i = item();
@@ -38,13 +38,26 @@ void main() {
         Sun sun = fetch_sun(s);
         float cos_theta = dot(N.xyz, sun.omega);
         vec3 origin = x.xyz + (cos_theta < 0.0 ? -offset - N.w : offset + x.w) * N.xyz;
+#ifdef SHEER
+        Visit first;
+        sun.E *= left_along(origin, sun.omega, first);
+#else
         Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
         traverse(make_ray(origin, sun.omega, 0.0, 3e38), visit);
         if (visit.t == 0.0) continue;
+#endif
         front += sun.E * max(cos_theta, 0.0);
         back += sun.E * max(-cos_theta, 0.0);
     }
     vec3 share = (own_reflectance ? texelFetch(reflectance_data, i).rgb : reflectance) / PI;
-    radiance[2 * (first_item + i)] = vec4(share * max(front, vec3(0.0)), 0.0);
-    radiance[2 * (first_item + i) + 1] = vec4(share * max(back, vec3(0.0)), 0.0);
+    front = max(front, vec3(0.0));
+    back = max(back, vec3(0.0));
+#ifdef SHEER
+    vec3 through = passed / PI;
+    radiance[2 * (first_item + i)] = vec4(share * front + through * back, 0.0);
+    radiance[2 * (first_item + i) + 1] = vec4(share * back + through * front, 0.0);
+#else
+    radiance[2 * (first_item + i)] = vec4(share * front, 0.0);
+    radiance[2 * (first_item + i) + 1] = vec4(share * back, 0.0);
+#endif
 }

@@ -30,7 +30,11 @@ void main() {
     do {
         vec4 light = texelFetch(light_data, first + d);
         vec3 omega = vec3(dot(light.xyz, x.xyz), dot(light.xyz, y), dot(light.xyz, N));
+#ifdef SHEER
+        float seen = float(int(texelFetch(bit_data, (d >> 2) * probe_count + i).x >> uint(8 * (d & 3)) & 0xffu)) / 255.0;
+#else
         float seen = float(int(texelFetch(bit_data, (d >> 5) * probe_count + i).x >> uint(d & 31) & 1u));
+#endif
         vec2 side = omega.z > 0.0 ? vec2(1.0, 0.0) : vec2(0.0, 1.0);
         float z = abs(omega.z);
         vec3 bands = band_shares(z);

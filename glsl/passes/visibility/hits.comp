@@ -1,9 +1,8 @@
 #version 430
 // As passes/visibility/trace.comp, and the first hit of each ray: the nearest vertex about it, and its side.   [own]
 // One dispatch traces the 32 directions of one word at most: loops may end silently after 65,535 iterations.
-#include "inputs/accel/ray.glsl"
-#include "inputs/accel/visit_closest.glsl"
-#include "accel.glsl"
+// Defines: SHEER, where cloth lets light through: the share that is left, a byte each.
+#include "sight.glsl"
 #include "inputs/visibility/ground_cell.glsl"
 layout(local_size_x = 64) in;          // and a row of groups for each class
 uniform isamplerBuffer corner_index;   // three a triangle, in the order that hits are weighted in
@@ -44,6 +43,19 @@ void main() {
     int direction_base = class_directions * int(gl_WorkGroupID.y);
     vec4 x = texelFetch(probe_data, 2 * i);
     vec4 N = texelFetch(probe_data, 2 * i + 1);
+#ifdef SHEER
+    int d = first_direction;
+    do {
+        vec3 omega = texelFetch(direction_data, direction_base + d).xyz;
+        float off = dot(omega, N.xyz) < 0.0 ? -N.w : x.w;
+        vec3 origin = x.xyz + off * N.xyz;
+        Visit first;
+        uint share = uint(int(255.0 * seen_along(origin, omega, first) + 0.5));
+        int at = (d >> 2) * probe_count + i, place = 8 * (d & 3);
+        bits[at] = bits[at] & ~(0xffu << uint(place)) | share << uint(place);
+        hits[d * probe_count + i] = hit_vertex(first, origin, omega);
+    } while (++d < last_direction);
+#else
     int at = (first_direction >> 5) * probe_count + i;
     int count = last_direction - first_direction;
     uint mine = (count == 32 ? 0u : 1u << uint(count)) - 1u;
@@ -59,4 +71,5 @@ void main() {
         hits[d * probe_count + i] = hit_vertex(visit, origin, omega);
     } while (++d < last_direction);
     bits[at] = word;
+#endif
 }

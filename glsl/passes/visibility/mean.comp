@@ -22,7 +22,11 @@ void main() {
     for (int e = range.x; e < range.y; ++e) {
         vec4 direction = texelFetch(entry_data, 2 * e), G = texelFetch(entry_data, 2 * e + 1);
         int d = int(direction.w);
+#ifdef SHEER
+        float seen = float(int(texelFetch(bit_data, (d >> 2) * probe_count + i).x >> uint(8 * (d & 3)) & 0xffu)) / 255.0;
+#else
         float seen = float(int(texelFetch(bit_data, (d >> 5) * probe_count + i).x >> uint(d & 31) & 1u));
+#endif
         float cos_theta = dot(direction.xyz, N);
         vec2 w = clamp(vec2(cos_theta, -cos_theta), 0.0, 1.0);
         front_all += w.x * G;

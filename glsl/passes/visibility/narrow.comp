@@ -2,9 +2,8 @@
 // Rays into four narrow Gaussians from the covered pixels whose triangles' corners disagree on them.   [own]
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
-#include "inputs/accel/ray.glsl"
-#include "inputs/accel/visit_any.glsl"
-#include "accel.glsl"
+// Defines: SHEER, where cloth lets light through.
+#include "sight.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform usamplerBuffer mean_data;      // passes/visibility/spread.comp
 uniform isamplerBuffer corner_index;
@@ -33,10 +32,15 @@ float seen_of(vec3 x, vec3 N, int first, float otherwise) {
         vec3 omega = texelFetch(direction_data, d).xyz;
         float w = clamp(8.0 * dot(omega, N), 0.0, 1.0);
         if (w > 0.0) {
+#ifdef SHEER
+            Visit first_hit;
+            sum += w * vec2(seen_along(x, omega, first_hit), 1.0);
+#else
             Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
             Ray ray = make_ray(x, omega, 0.0, 3e38);
             traverse(ray, visit);
             sum += w * vec2(visit.t > 0.0 ? 1.0 : 0.0, 1.0);
+#endif
         }
         // The outer ones come first: where they agree, no edge crosses the light.
         if (++d == first + FIRST && (sum.x == 0.0 || sum.x == sum.y)) break;

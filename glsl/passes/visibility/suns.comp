@@ -2,9 +2,8 @@
 // A ray toward each sun from every covered pixel.   [own]
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
-#include "inputs/accel/ray.glsl"
-#include "inputs/accel/visit_any.glsl"
-#include "accel.glsl"
+// Defines: SHEER, where cloth lets light through.
+#include "sight.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform samplerBuffer sun_data;  // toward each sun
 layout(rgba8) writeonly uniform image2DArray seen;
@@ -24,10 +23,15 @@ void main() {
         float V = 0.0;
         // Below the horizon there is no light to hide.
         if (dot(omega, N.xyz) > 0.0) {
+#ifdef SHEER
+            Visit first;
+            V = seen_along(x, omega, first);
+#else
             Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
             Ray ray = make_ray(x, omega, 0.0, 3e38);
             traverse(ray, visit);
             V = visit.t > 0.0 ? 1.0 : 0.0;
+#endif
         }
         if ((s & 3) == 0) four = vec4(0.0);
         four += V * vec4(equal(ivec4(s & 3), ivec4(0, 1, 2, 3)));

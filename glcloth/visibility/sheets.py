@@ -1,0 +1,77 @@
+"""Cloth that lets light through, as rays find it: what inputs/visibility/sheets.glsl reads.   [own, docs/shadows.md]"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ..accel.structure import Structure, tracing
+from ..fabric import Transmission
+from ..gpu.buffers import TextureBuffer
+from ..twins.directions import cosine_directions
+from ..twins.sheet import T_lambert, T_straight
+from .hit_vertices import HitVertices
+
+SHEER = 1e-3  # less light than that straight on is none
+SIGHT_ANY, SIGHT_CLOSEST = "inputs/visibility/sight_any.glsl", "inputs/visibility/sight_closest.glsl"
+
+
+class Sheets:
+    """The transmission of each cloth of a frame, and where the triangles of each end."""
+
+    def __init__(self, ctx: moderngl.Context, hit_vertices: HitVertices):
+        self._data = TextureBuffer(ctx, 32)
+        self._hit_vertices = hit_vertices
+        self.transmissions: tuple[Transmission | None, ...] = ()
+
+    def prepare(self, transmissions: Sequence[Transmission | None]) -> Sheets | None:
+        """Take the cloths, whose surfaces are the first of the hit vertices; returns itself, or None where all are opaque."""
+        self.transmissions = tuple(transmissions)
+        if not any(self.transmissions):
+            return None
+        rows = np.zeros((len(transmissions), 2, 4), "f4")
+        for row, t in zip(rows, transmissions, strict=True):
+            if t is not None:
+                row[0], row[1, :3] = (t.rho, t.k_a, t.k_t, t.diffuse), t.tau
+        rows[:, 1, 3] = self._hit_vertices.first_triangle[1 : 1 + len(rows)]
+        self._data.write(rows)
+        return self
+
+    def inputs(self) -> dict[str, Any]:
+        """By their names in GLSL."""
+        names = {"sheet_data": self._data, "sheet_count": len(self.transmissions)}
+        return names | self._hit_vertices.inputs_of_hits()
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self._data.release()
+
+
+def sight(
+    structure: Structure, sheets: Sheets | None, opaque: str = SIGHT_ANY
+) -> tuple[dict[str, int], dict[str, str], dict[str, Any]]:
+    """Defines, virtual includes and inputs of a pass that asks by "sight.glsl" what is seen along rays; `opaque`: the file
+    where no cloth lets light through."""
+    virtual = {"sight.glsl": opaque, **tracing(structure)}
+    if sheets is None:
+        return {}, virtual, structure.inputs()
+    virtual["sight.glsl"] = "inputs/visibility/sheets.glsl"
+    return {"SHEER": 1}, virtual, structure.inputs() | sheets.inputs()
+
+
+def sees_through(t: Transmission | None) -> bool:
+    """Whether what is behind a cloth is seen through it."""
+    if t is None:
+        return False
+    normal = np.array([0.0, 0.0, 1.0])
+    return bool(T_straight(normal, t.k_a, t.k_t, np.array(t.tau), t.rho, t.diffuse).max() > SHEER)
+
+
+def mean_lambert(t: Transmission | None) -> np.ndarray:
+    """The share [3] of even light that comes evenly through, in the mean over all views by their cosine."""
+    if t is None:
+        return np.zeros(3)
+    return T_lambert(cosine_directions(256), t.k_t, np.array(t.tau), t.rho, t.diffuse).mean(0)

@@ -1,0 +1,22 @@
+// What comes through cloth from its other side, but for what goes straight on, as the sum over every direction of a cube map
+// and the suns: "behind.glsl" of method reference. Each pass adds `direction_count` directions from `first_direction` on.
+#include "along.glsl"
+#include "inputs/visibility/origin_behind.glsl"
+uniform samplerBuffer direction_data;  // pairs: (omega, 1 if a ray decides), (flux, solid angle; 0: of a sun)
+uniform int first_direction;
+uniform int direction_count;
+
+vec3 L_behind(ivec2 pixel, vec3 omega_o, mat3 surface_from_world) {
+    vec3 origin = origin_behind(pixel), o_t = vec3(omega_o.xy, -omega_o.z), sum = vec3(0.0);
+    for (int d = first_direction; d < first_direction + direction_count; ++d) {
+        vec4 direction = texelFetch(direction_data, 2 * d), light = texelFetch(direction_data, 2 * d + 1);
+        vec3 omega_i = surface_from_world * direction.xyz;
+        if (omega_i.z >= 0.0) continue;
+        vec3 i_t = vec3(omega_i.xy, -omega_i.z);
+        // What of the map goes straight on is seen through the cloth; a sun is no background.
+        vec3 f = light.a > 0.0 ? f_lambert(i_t, o_t, k_t, tau, rho, diffuse) : absorption(i_t, o_t, tau)
+            * f_through(i_t, o_t, k_t, rho, roughness, eta_1, eta_2, diffuse, roughness_p);
+        sum += f * flux_along(origin, direction, light);
+    }
+    return sum;
+}

@@ -1,0 +1,33 @@
+#version 430
+// Adds a layer behind cloth as far as its light is left, and where there is none the environment, or nothing.
+#include "core/equirect.glsl"
+#ifdef PARTS
+#include "inputs/picture/parts.glsl"
+#endif
+uniform sampler2D left;
+uniform sampler2D layer;        // its picture; alpha 0 where there is nothing
+uniform sampler2D environment_map;
+uniform bool has_environment;
+uniform float beyond_weight;    // share of this sample in the pixel, once
+uniform mat3 ray_from_pixel;
+uniform mat3 environment_from_world;
+layout(location = 0) out vec4 color;
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec3 T = texelFetch(left, pixel, 0).rgb;
+    if (T == vec3(0.0)) discard;
+    vec4 L = texelFetch(layer, pixel, 0);
+    if (L.a > 0.0) {
+        color = vec4(T * L.rgb, 0.0);
+    } else if (has_environment) {
+        vec3 omega = normalize(environment_from_world * (ray_from_pixel * vec3(gl_FragCoord.xy, 1.0)));
+        color = vec4(T * textureLod(environment_map, uv_from_direction(omega), 0.0).rgb * beyond_weight, 0.0);
+    } else {
+        color = vec4(vec3(0.0), -beyond_weight * (T.r + T.g + T.b) / 3.0);
+    }
+#ifdef PARTS
+    bounce_color = vec4(0.0);
+    through_color = vec4(color.rgb, 0.0);
+#endif
+}

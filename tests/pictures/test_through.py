@@ -1,0 +1,125 @@
+"""Light through cloth under an environment: one sheet and two against closed forms, direct against reference."""
+
+import numpy as np
+import pytest
+
+from glcloth.fabric import load_fabric
+from glcloth.geometry import shapes
+from glcloth.geometry.camera import Camera
+from glcloth.geometry.mesh import build_mesh
+from glcloth.light.environment import from_array
+from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.tracing.energy import directional_albedo
+from glcloth.twins import sheet
+
+SIZE = (9, 7)
+NO_LIGHT = Lights(SphericalGaussians([[0, 1, 0]], [0.0], [[0.0, 0.0, 0.0]]))
+EVEN = Lights(SphericalGaussians([[0, 1, 0]], [0.0], [[1.0, 1.0, 1.0]]))
+WHITE = from_array("white", np.ones((8, 16, 3)))
+FABRICS = ("sheer_voile", "linen_curtain")
+
+
+def sheets(*heights):
+    """Flat squares across z, far wider than what is seen of them."""
+    parts = [shapes.plane(40.0, 4) for _ in heights]
+    positions = [part[0] + [0, 0, z] for part, z in zip(parts, heights, strict=True)]
+    begins = np.cumsum([0] + [len(part[0]) for part in parts])
+    triangles = [part[1] + begin for part, begin in zip(parts, begins, strict=False)]
+    return build_mesh(
+        "sheets", np.concatenate(positions), np.concatenate(triangles), np.concatenate([p[2] for p in parts])
+    )
+
+
+def camera(slant_deg=0.0):
+    """Whose middle pixel looks along one direction, `slant_deg` from the sheets' normal in the plane of yarn 1."""
+    a = np.radians(slant_deg)
+    return Camera((100 * np.sin(a), 0.0, 100 * np.cos(a)), (0.0, 0.0, 0.0), (0, 1, 0), 1.0)
+
+
+def omega(slant_deg):
+    a = np.radians(slant_deg)
+    return np.array([np.sin(a), 0.0, np.cos(a)])
+
+
+def straight(t, o):
+    return sheet.T_straight(o, t.k_a, t.k_t, np.array(t.tau), t.rho, t.diffuse)
+
+
+def even(t, o):
+    return sheet.T_lambert(o, t.k_t, np.array(t.tau), t.rho, t.diffuse)
+
+
+def render(renderer, mesh, slant, lights, fabric="sheer_voile", environment=WHITE, **changes):
+    changes = {"size": SIZE, "method": "direct", "shadows": "full", "bounce": False, **changes}
+    picture = renderer.render(
+        mesh=mesh, camera=camera(slant), lights=lights, fabric=fabric, environment=environment, **changes
+    )
+    return picture[3, 4]
+
+
+@pytest.mark.parametrize("slant", [0, 50])
+@pytest.mark.parametrize("layers", [1, 2, 4])
+def test_layers_before_a_white_background(renderer, layers, slant):
+    """Each lets T_s of what is behind it through; without light of their own the rest is black."""
+    t = load_fabric("sheer_voile").transmission
+    got = render(renderer, sheets(*np.linspace(-1, 1, layers)), slant, NO_LIGHT)
+    np.testing.assert_allclose(got, straight(t, omega(slant)) ** layers, rtol=3e-3)
+
+
+def test_a_background_that_is_off_leaves_transparency(renderer):
+    t = load_fabric("sheer_voile").transmission
+    got = render(renderer, sheets(0.0), 0, NO_LIGHT, background=False)
+    np.testing.assert_allclose(got, [0, 0, 0, 1 - straight(t, omega(0)).mean()], atol=2e-3)
+
+
+@pytest.mark.parametrize("method", ["direct", "reference"])
+@pytest.mark.parametrize("fabric", FABRICS)
+def test_white_furnace(renderer, fabric, method):
+    """Light from everywhere: what is reflected, and passes evenly and straight on; never more than comes."""
+    t = load_fabric(fabric).transmission
+    for slant in (0, 60):
+        o = omega(slant)
+        expected = directional_albedo(load_fabric(fabric), o) + even(t, o) + straight(t, o)
+        got = render(renderer, sheets(0.0), slant, EVEN, fabric, method=method, cube=16)
+        np.testing.assert_allclose(got, expected, rtol=0.02)
+        assert (got <= 1.0).all()
+
+
+@pytest.mark.parametrize("method", ["direct", "reference"])
+@pytest.mark.parametrize("behind", [False, True])
+def test_a_sun_from_behind(renderer, method, behind):
+    """All that the yarns send of one light; through a second sheet of its light T_s is left."""
+    t = load_fabric("linen_curtain").transmission
+    tau, o = np.array(t.tau), omega(20)
+    i = np.array([0.3, 0.2, -1.0]) / np.sqrt(1.13)
+    lights = Lights(NO_LIGHT.gaussians, Suns([i], [[5.0, 4.0, 3.0]]))
+    black = from_array("black", np.full((8, 16, 3), 1e-9))
+    mesh = sheets(0.0, -1.0) if behind else sheets(0.0)
+    got = render(renderer, mesh, 20, lights, "linen_curtain", black, method=method, cube=4)
+
+    def through(o, light):
+        f = sheet.f_through(
+            i * [1, 1, -1], o * [1, 1, -1], t.k_t, t.rho, t.roughness, t.eta_1, t.eta_2, t.diffuse, t.roughness_p
+        )
+        return f * sheet.absorption(i, o, tau) * light
+
+    E = np.array([5.0, 4.0, 3.0])
+    expected = through(o, E)
+    if behind:
+        expected = through(o, E * straight(t, i)) + straight(t, o) * through(o, E)
+    np.testing.assert_allclose(got, expected, rtol=0.015)
+
+
+def test_a_sun_through_cloth_lights_the_ground(renderer):
+    """Its shadow on an object has T_s of the light."""
+    t = load_fabric("sheer_voile").transmission
+    lights = Lights(NO_LIGHT.gaussians, Suns([[0.0, 1.0, 0.0]], [[1.0, 1.0, 1.0]]))
+    positions, triangles, uv, _ = shapes.plane(20.0, 4)
+    cloth = build_mesh("cloth", positions[:, [0, 2, 1]] * [1, 1, -1] + [0, 2.0, 0], triangles, uv)
+    below = Camera((0.0, 1.0, 1.0), (0.0, 0.0, 0.0), (0, 1, 0), 10.0)
+    got = renderer.render(
+        mesh=cloth, camera=below, lights=lights, fabric="sheer_voile", environment=WHITE, size=SIZE, ground="0",
+        ground_color=(1.0, 1.0, 1.0), bounce=False,
+    )  # fmt: skip
+    T = straight(t, np.array([0, 0, 1.0])) @ [0.2126, 0.7152, 0.0722]
+    np.testing.assert_allclose(got.mean((0, 1)), T / np.pi, rtol=0.02)
