@@ -158,7 +158,7 @@ def read_bytes(path: str | Path, most: int) -> bytes:
         if size > most:
             raise InputError(f"{path}: {size:,} bytes, at most {most:,} can be read; reduce it")
         with open(path, "rb") as file:
-            return file.read(most + 1)
+            return file.read(size)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; check the path") from None
     except (OSError, ValueError) as error:

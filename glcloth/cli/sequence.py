@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -44,7 +44,7 @@ def animate(
 ) -> None:
     """Render a sequence: the curtain in the wind, or cloth that moves, under light that turns, or seen from all around.
 
-    Cloth moves by poses from files (--mesh poses/%04d.ply: frame i takes file i) or, the built-in one, in the --wind.
+    Cloth moves by poses from files (--mesh poses/%04d.ply: frame i takes file i, from --start on) or, the built-in one, in the --wind.
     Where nothing else moves the camera goes once around it.
 
     Parameters
@@ -64,15 +64,15 @@ def animate(
     if video and start:
         raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
     begin = time.perf_counter()
-    files = sequence.pose_files(chosen.mesh, frames) if "%" in chosen.mesh else None
+    files = sequence.pose_files(chosen.mesh, frames, start) if "%" in chosen.mesh else None
     if files or chosen.curtain is not None:
-        chosen = chosen.changed(**({"mesh": str(files[0])} if files else {"rate": rate}))
+        chosen = chosen.changed(**({"mesh": str(files[min(files)])} if files else {"rate": rate}))
     with ExitStack() as stack:
         renderer = stack.enter_context(Renderer(device))
         poses = _poses(renderer, stack, files, wind, rate)
         if turntable is None:
             turntable = poses is None and not turn_env
-        pictures = sequence.pictures(renderer, chosen, frames, start, poses, turntable, turn_env)
+        pictures = sequence.pictures(renderer, chosen, frames, start, poses, turntable, turn_env, min(files or (0,)))
         if video:
             written = sequence.write_video(pictures, output, rate, chosen.exposure, chosen.view_transform)
         else:
@@ -112,7 +112,7 @@ def _check_numbers(frames: int, start: int, rate: int, turn_env: float) -> None:
 
 
 def _poses(
-    renderer: Renderer, stack: ExitStack, files: list[Path] | None, wind: float | None, rate: int
+    renderer: Renderer, stack: ExitStack, files: Mapping[int, Path] | None, wind: float | None, rate: int
 ) -> Callable[[int], Mesh] | None:
     """The mesh of each frame of a cloth that moves; None for one that rests."""
     from ..geometry.mesh_files import load_mesh
@@ -134,7 +134,7 @@ def _swayed(swaying: Swaying, rate: int, number: int) -> Mesh:
     return swaying.mesh()
 
 
-def _header_of_frame(scene: Scene, files: list[Path] | None, turn: float, number: int) -> dict:
+def _header_of_frame(scene: Scene, files: Mapping[int, Path] | None, turn: float, number: int) -> dict:
     """The scene as a picture of a sequence keeps it."""
     from ..scene import header
 

@@ -15,7 +15,7 @@ def distinct(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     rows = np.asarray(rows)
     if rows.dtype.kind == "f":
         rows = rows + 0.0  # -0 becomes 0
-    codes = _hashed(rows)
+    codes = _hashed(rows) if len(rows) else np.zeros(0, np.uint64)
     if all_differ(codes):
         return np.arange(len(rows)), np.arange(len(rows))
     order = np.argsort(codes)

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from . import shapes
+from .graded import graded
 from .mesh import Mesh, build_mesh, relative_to
 from .mesh_files import load_solid
 
@@ -61,11 +62,13 @@ class Objects:
     meshes : of the objects
     reflectances : of each mesh [T, 3], linear Rec. 709
     ground : None where there is none
+    graded : whether the triangles of each mesh grow with their distance from the cloth; (): of none
     """
 
     meshes: tuple[Mesh, ...] = ()
     reflectances: tuple[np.ndarray, ...] = field(default=())
     ground: Ground | None = None
+    graded: tuple[bool, ...] = ()
 
     @property
     def empty(self) -> bool:
@@ -92,11 +95,15 @@ def load_solids(names: Sequence[str]) -> tuple[Solid, ...]:
 def arrange(solids: Sequence[Solid], ground: float | str, color, cloth: Mesh) -> Objects:
     """Objects and ground about a cloth, as a scene says: `ground` is a height, "auto" or "off"."""
     # A cloth far from the origin was moved there, and what stands about it with it.
-    meshes, reflectances = tuple(relative_to(s[0], cloth.origin) for s in solids), tuple(s[1] for s in solids)
+    whole = [relative_to(solid[0], cloth.origin) for solid in solids]
+    cut = [graded(mesh, tuple(cloth.center.tolist()), cloth.radius) for mesh in whole]
+    meshes = tuple(mesh for mesh, _ in cut)
+    reflectances = tuple(solid[1][source] for solid, (_, source) in zip(solids, cut, strict=True))
+    finer = tuple(mesh is not before for mesh, before in zip(meshes, whole, strict=True))
     if ground == "off":
-        return Objects(meshes, reflectances)
+        return Objects(meshes, reflectances, graded=finer)
     height = None if ground == "auto" else float(ground) - cloth.origin[1]
-    return Objects(meshes, reflectances, stand_on(cloth, meshes, height, color))
+    return Objects(meshes, reflectances, stand_on(cloth, meshes, height, color), graded=finer)
 
 
 def stand_on(cloth: Mesh, meshes: Sequence[Mesh], height: float | None, color) -> Ground:

@@ -13,7 +13,7 @@ from ..color import view
 from ..errors import InputError
 from ..files import atomic_write, check_writable
 from ..geometry.camera import Camera
-from ..geometry.mesh import Mesh
+from ..geometry.mesh import Mesh, relative_to
 from ..geometry.props import Objects
 from ..image import check_output, write_image
 from ..light.environment import rotation_y
@@ -40,10 +40,11 @@ def pictures(
     poses: Callable[[int], Mesh] | None = None,
     turntable: bool = False,
     turn_env: float = 0.0,
+    first: int = 0,
 ) -> Iterator[np.ndarray]:
     """Yield the pictures `start` to `count` - 1 of a scene: the curtain in its wind, or cloth as `moving` has it."""
     if scene.curtain is None:
-        yield from moving(renderer, renderer.prepare(scene), count, start, poses, turntable, turn_env)
+        yield from moving(renderer, renderer.prepare(scene), count, start, poses, turntable, turn_env, first)
     else:
         for number in range(start, count):
             yield renderer.render(scene.changed(frame=number))
@@ -57,6 +58,7 @@ def moving(
     poses: Callable[[int], Mesh] | None = None,
     turntable: bool = False,
     turn_env: float = 0.0,
+    first: int = 0,
 ) -> Iterator[np.ndarray]:
     """Yield the pictures `start` to `count` - 1 of a sequence; `frame` holds all that does not change.
 
@@ -65,6 +67,7 @@ def moving(
     poses : the mesh of each frame, asked for in ascending order; its shadows follow it (`Renderer.follow_poses`)
     turntable : one turn of the camera around the cloth
     turn_env : degrees by which the environment turns; frame `count` would have turned by all of them
+    first : the first pose that there is
 
     Vertices keep visibility from four poses: a sequence that begins at `start` traces the poses before it, too. The
     bits are as in the whole sequence but for where rays start, which the first traced pose decides.
@@ -77,7 +80,7 @@ def moving(
         return renderer.prepare(
             scene,
             fabric=frame.fabric,
-            mesh=frame.mesh if poses is None else poses(i),
+            mesh=frame.mesh if poses is None else relative_to(poses(i), frame.mesh.origin),
             environment=frame.environment,
             lights=None if turn_env else frame.lights,
             camera=orbit(frame.camera, 360.0 * i / count) if turntable else frame.camera,
@@ -86,23 +89,33 @@ def moving(
 
     renderer.follow_poses(poses is not None)
     # Rounds of four poses: each traces directions of its own.
-    for i in range(max(0, start // POSES - 1) * POSES if poses is not None else start, start):
+    for i in range(max(first, (start // POSES - 1) * POSES) if poses is not None else start, start):
         for _ in renderer.trace_visibility(at(i)):
             pass
     for i in range(start, count):
         yield renderer.render_frame(at(i))
 
 
-def pose_files(pattern: str, count: int) -> list[Path]:
-    """The files of the first `count` poses of a pattern such as poses/%04d.ply. Raises InputError for one that is missing."""
+def pose_files(pattern: str, count: int, start: int = 0) -> dict[int, Path]:
+    """The files of the poses `start` to `count` - 1 of a pattern such as poses/%04d.ply, and of those before them as far
+    back as there is no gap. Raises InputError for one that is missing."""
     if len(NUMBER.findall(pattern)) != 1:
         raise InputError(f"--mesh {pattern}: expected one number, such as poses/%04d.ply")
-    files = [frame_name(pattern, number) for number in range(count)]
-    for number, file in enumerate(files):
-        if not file.is_file():
-            hint = f"there are {number}: choose --frames {number}" if number else "its poses are numbered from 0"
-            raise InputError(f"{file}: no such file, pose of frame {number} of {count}; {hint}")
-    return files
+    files = {number: frame_name(pattern, number) for number in range(count)}
+    for number in range(start, count):
+        if not files[number].is_file():
+            there = [n for n, file in files.items() if file.is_file()]
+            if not there:
+                hint = f"of {pattern} there is none; check the path"
+            elif there[0] > number:
+                hint = f"its poses begin at {there[0]}: choose --start {there[0]}"
+            else:
+                hint = f"there are {number - there[0]} from {there[0]} on: choose --frames {number}"
+            raise InputError(f"{files[number]}: no such file, pose of frame {number} of {count}; {hint}")
+    first = start
+    while first and files[first - 1].is_file():
+        first -= 1
+    return {number: files[number] for number in range(first, count)}
 
 
 def frame_name(pattern: str, number: int) -> Path:

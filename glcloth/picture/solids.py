@@ -65,7 +65,8 @@ class Solids(Surface):
         self._shares = [len(a.triangles) // len(b.triangles) for a, b in zip(fine, objects.meshes, strict=True)]
         self.hiding = sum(len(mesh.triangles) for mesh in fine)
         self._hiding_vertices = sum(len(mesh.positions) for mesh in fine)
-        offsets = [np.full(len(mesh.positions), EDGE_OFFSET * mesh.mean_edge) for mesh in fine]
+        uneven = objects.graded or (False,) * len(fine)
+        offsets = [EDGE_OFFSET * _edge_at_vertices(mesh, own) for mesh, own in zip(fine, uneven, strict=True)]
         if (ground := objects.ground) is not None:
             fine.append(ground.mesh)
             offsets.append(np.full(len(ground.mesh.positions), GROUND_OFFSET * ground.scale))
@@ -168,6 +169,17 @@ def _ground_range(camera: Camera, height: float, radius: float) -> tuple[float, 
     t = (height - origins[1]) / toward[1]
     far = max(min(1.05 * float(t.max()), 2.0 * (radius + camera.reach)), 1e-6)
     return max(0.95 * float(t.min()), 1e-3 * far), far
+
+
+def _edge_at_vertices(mesh: Mesh, own: bool) -> np.ndarray:
+    """The mean edge of a mesh, or of each vertex its own, [V]."""
+    count = len(mesh.positions)
+    if not own:
+        return np.full(count, mesh.mean_edge)
+    a, b = mesh.edges().T
+    length = np.linalg.norm(mesh.positions[a].astype(float) - mesh.positions[b], axis=1)
+    total = np.bincount(a, length, count) + np.bincount(b, length, count)
+    return total / np.maximum(np.bincount(a, minlength=count) + np.bincount(b, minlength=count), 1)
 
 
 def _joined(meshes: list[Mesh]) -> Mesh:

@@ -13,6 +13,7 @@ MOST_PROBES = 32_000
 MOST_VERTICES = 16_000  # by subdivision
 # Up to so many probes each traces all directions, or a half, a quarter, an eighth; its neighbours know the others.
 WHOLE, HALF, QUARTER = 6_000, 12_000, 32_000
+HUB = 1_000  # neighbours of a vertex
 LONGEST_EDGE = 1 / 24  # of the mesh's radius: nobody knows which folds are wide enough for five vertices across
 OFFSET = 0.06  # of a vertex's mean edge: how far rays start from it
 
@@ -111,7 +112,7 @@ def place_probes(
         classes = 1 if number <= WHOLE else 2 if number <= HALF else 4 if number <= QUARTER else 8
     if classes > 1:
         # One step reaches seven probes or so, two steps nineteen.
-        two_steps = _neighbours(graph @ graph + graph)
+        two_steps = _neighbours(_two_steps(graph) + graph)
         near = graph if classes <= 4 else (0.3 * two_steps + 0.7 * graph).tocsr()
         kind = _classes(near, classes)
         near = (sparse.eye_array(number) + 0.5 * near).tocsr()
@@ -147,6 +148,16 @@ def _thinned(graph, points: np.ndarray, most: int) -> tuple:
         graph = _neighbours(heap.T @ graph @ heap)
         chosen = chosen[kept]
     return chosen, spread, graph
+
+
+def _two_steps(graph):
+    """How many ways of two steps lead from node to node, but for those over hubs: all round a hub are neighbours of each
+    other, which makes the square of their number."""
+    degree = np.diff(graph.indptr)
+    if degree.max(initial=0) <= HUB:
+        return graph @ graph
+    own = np.flatnonzero(degree <= HUB)
+    return graph[:, own] @ graph[own]
 
 
 def _neighbours(graph):
@@ -238,7 +249,7 @@ def _interpolation(graph, kept: np.ndarray, points: np.ndarray):
     column[kept] = np.arange(len(kept))
     step = graph.copy()
     step.data[:] = 1.0
-    near = (step + step @ step)[:, kept].tocoo()
+    near = (step + _two_steps(step))[:, kept].tocoo()
     distance = np.linalg.norm(points[near.row] - points[kept[near.col]], axis=1)
     rows = np.repeat(np.arange(count), np.diff(graph.indptr))
     mean = np.bincount(rows, np.linalg.norm(points[rows] - points[graph.indices], axis=1), count)
