@@ -12,7 +12,7 @@ import numpy as np
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera, sample_offsets
-from ..gpu.context import create_context
+from ..gpu.context import check_errors, create_context
 from ..gpu.gbuffer import GBuffer
 from ..light.environment import Environment
 from ..light.lights import Lights, SphericalGaussians, as_lights
@@ -94,7 +94,9 @@ class Renderer:
         """
         scene = Scene() if scene is None else load_scene(scene)
         if scene.curtain is not None:
-            return self.show(scene, **changes).picture()
+            picture = self.show(scene, **changes).picture()
+            check_errors(self.ctx, "curtain")
+            return picture
         return self.render_frame(self.prepare(scene, **changes))
 
     def show(
@@ -139,6 +141,7 @@ class Renderer:
         self._last = frame
         self.draw(frame)
         picture = self.target.read()
+        check_errors(self.ctx, f"method {frame.scene.method}")
         return picture[..., :3] if frame.scene.background else picture
 
     def draw(self, frame: Frame) -> None:
@@ -301,4 +304,6 @@ class Renderer:
             return chosen.part_radiances(buffers, fabric, lights, how, omega_o)
         buffers.prepare(fabric, lights)
         chosen.prepare(fabric, lights, how)
-        return chosen.radiance(buffers, omega_o)
+        radiance = chosen.radiance(buffers, omega_o)
+        check_errors(self.ctx, f"method {method}")
+        return radiance
