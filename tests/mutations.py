@@ -25,10 +25,8 @@ from glcloth.picture.frame import Frames
 from glcloth.scene import Scene, header, load_scene
 from glcloth.weave.wif import load_draft
 
-NUMBERS = [*"nan inf -inf 1e400 1e39 -1e39 1e-320 0 -1 -0.0 65536 4294967296 1e308".split(), 5000 * "9", "0x" + 5000 * "f"]
-    5000 * "9",
-    "0x" + 5000 * "f",
-]
+HUGE = [5000 * "9", "0x" + 5000 * "f"]
+NUMBERS = [*"nan inf -inf 1e400 1e39 -1e39 1e-320 0 -1 -0.0 65536 4294967296 1e308".split(), *HUGE]
 WORDS = [
     "",
     "\x1b[31mx",

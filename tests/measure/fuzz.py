@@ -1,6 +1,6 @@
 """Damaged files of every format by the thousand: python tests/measure/fuzz.py 20000 [--seed 1] [--formats ply,glb].
 
-Each case is read in a process with limits: what raises anything but InputError, takes over 10 s, more than 1.5 GB, or
+Each case is read in a process with limits: what raises anything but InputError, takes over 10 s of a CPU, more than 1.5 GB, or
 prints control characters is kept in the folder --keep, and counted. A case is made from the seed and its number alone:
 --only NUMBER runs one again. What a shell would do to --formats with a space in a name, quotes prevent.
 """
@@ -37,7 +37,7 @@ def peak_megabytes():
 
 def outcome(read, path, heard):
     """A word for what reading a file came to, and the detail."""
-    signal.setitimer(signal.ITIMER_REAL, SECONDS)
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
         read(path)
         result = "read", ""
@@ -50,7 +50,7 @@ def outcome(read, path, heard):
         frame = traceback.extract_tb(error.__traceback__)[-1]
         result = "raw", f"{type(error).__name__}: {error} at {Path(frame.filename).name}:{frame.lineno}"
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.setitimer(signal.ITIMER_PROF, 0)
     heard.seek(0)
     printed = heard.read().decode(errors="replace")
     heard.seek(0)
@@ -68,7 +68,7 @@ def work(name, numbers, seed, keep, queue):
     def stop(*_):
         raise TookTooLong
 
-    signal.signal(signal.SIGALRM, stop)
+    signal.signal(signal.SIGPROF, stop)
     heard = tempfile.TemporaryFile()
     for descriptor in (1, 2):
         os.dup2(heard.fileno(), descriptor)
@@ -106,7 +106,7 @@ def run(name, numbers, seed, keep, counts, details):
         last = None
         while True:
             try:
-                _, number, word, detail = queue.get(timeout=3 * SECONDS)
+                _, number, word, detail = queue.get(timeout=12 * SECONDS)
             except Exception:
                 word, number, detail = "killed", last, f"exit code {process.exitcode}: it hung in a library, or died"
                 process.kill()
