@@ -77,7 +77,7 @@ def work(name, numbers, seed, keep, queue):
         folder = Path(folder)
         sound, format = corpus(name, folder), FORMATS[name]
         for path in sound:
-            format.read(path)
+            format.read(folder / path.name)
         peak_megabytes()
         for number in numbers:
             rng = random.Random(f"{seed} {name} {number}")
