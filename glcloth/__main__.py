@@ -16,7 +16,11 @@ def main() -> None:
     signal.signal(signal.SIGINT, _leave)
     from .cli import main as run
 
-    run()
+    try:
+        run()
+    finally:
+        # All is said and done. Python itself would end without a word if Ctrl-C came while it tidies up.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 if __name__ == "__main__":

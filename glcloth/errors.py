@@ -1,5 +1,10 @@
 """The errors a user may meet; the doors turn them into one line and an exit code."""
 
+
+class DriverError(RuntimeError):
+    """OpenGL refused something while a picture was made; the picture is not to be trusted. Exit code 1."""
+
+
 MAX_LINE = 300  # characters of a message
 
 

@@ -15,6 +15,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from .errors import InputError, short
 from .fields import Value, about
 from .files import PACKAGE, atomic_write, read_toml
+from .progress import warn
 from .weave.model import Weave
 
 if TYPE_CHECKING:
@@ -204,6 +205,9 @@ class Fabric(Value):
     name: str = about("", "for people", min_length=1)
     normalization: Literal["sadeghi", "paper"] = about("", "how W is normalised, above", default="sadeghi")
     sigma_deg: float = about("degrees", "width of shadowing and masking", default=20.0, ge=1.0, le=90.0)
+    energy: Literal["given", "limit"] = about(
+        "", "limit: dimmed evenly so that it gives back no more light than it gets", default="given"
+    )
     yarn: tuple[Yarn, ...]
     transmission: Transmission | None = None
     weave: Weave | None = None
@@ -273,8 +277,32 @@ class Fabric(Value):
         """[tangents, 2]: the factor of each distinct tangent in the sum over tangents, and its factor in W's normaliser.
 
         sadeghi: both are a_j count / N_j. paper (equation 6 as printed): a_j count, and count. Where tangents have shares
-        of their own, N_j times the share stands for count.
+        of their own, N_j times the share stands for count. With `energy` "limit" the first is divided by the largest
+        share of the light that the fabric would give back, if that is above 1.
         """
+        if self.energy == "given":
+            return self._weights
+        return self._weights * (1.0 / max(self.largest_albedo, 1.0), 1.0)
+
+    @cached_property
+    def largest_albedo(self) -> float:
+        """The share of even light from the hemisphere that the fabric, its energy not limited, gives back toward the
+        brightest of 24 directions, in the brightest channel."""
+        if self.energy == "limit":
+            return self.changed(energy="given").largest_albedo
+        import numpy as np
+
+        from .twins.cloth import f_cloth
+        from .twins.directions import even_directions
+
+        cos, azimuth = (a.ravel() for a in np.meshgrid([0.1, 0.25, 0.4, 0.6, 0.8, 1.0], np.radians([1, 45, 91, 135])))
+        sin = np.sqrt(1.0 - cos**2)
+        views = np.stack([sin * np.cos(azimuth), sin * np.sin(azimuth), cos], -1)
+        f = f_cloth(even_directions(512), views[:, None], *self.arrays())
+        return float(2.0 * np.pi * f.mean(1).max())
+
+    @cached_property
+    def _weights(self) -> np.ndarray:
         import numpy as np
 
         rows = []
@@ -399,7 +427,26 @@ def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
     weave = data.get("weave")
     if isinstance(weave, dict) and str(weave.get("draft", "")).lower().endswith(".wif"):
         data["weave"] = {**weave, "draft": str(path.parent / weave["draft"])}
-    return Fabric.parse(data, str(path))
+    fabric = Fabric.parse(data, str(path))
+    if path.parent != FABRICS:
+        _warn_of_energy(path, fabric)
+    return fabric
+
+
+_energy_known: set[tuple[Path, int]] = set()  # files and when they changed
+
+
+def _warn_of_energy(path: Path, fabric: Fabric) -> None:
+    """Say once of a file that its fabric gives back more light than it gets."""
+    key = path, path.stat().st_mtime_ns
+    if key in _energy_known or fabric.energy == "limit" or max(max(yarn.albedo) for yarn in fabric.yarn) < 0.2:
+        return
+    _energy_known.add(key)
+    if fabric.largest_albedo > 1.05:
+        warn(
+            f"{path}: gives back {fabric.largest_albedo:.2f} times the light that it gets, toward some viewers; lower "
+            'the albedos, or set energy = "limit"'
+        )
 
 
 def save_fabric(path: str | Path, fabric: Fabric) -> None:

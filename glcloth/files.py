@@ -122,7 +122,9 @@ def _take_after(temporary: Path, path: Path) -> None:
 
 MOST_TEXT = 4 << 20  # bytes of a TOML or JSON file
 DEEPEST = 16  # tables and lists within each other, and parts of a dotted key
-_TOO_DEEP = re.compile(rf"(?:\[\s*){{{DEEPEST}}}|(?:(?:[\w-]+|\"[^\"\n]*\"|'[^'\n]*')[ \t]*\.[ \t]*){{{DEEPEST}}}")
+# Possessive, and from the beginning of a word on, so that it takes no longer than the text is long.
+_KEY = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
+_TOO_DEEP = re.compile(rf"(?:\[\s*+){{{DEEPEST}}}|(?<![\w-])(?:{_KEY}){{{DEEPEST}}}")
 
 
 def read_text(path: str | Path, expected: str, most: int = MOST_TEXT) -> str:

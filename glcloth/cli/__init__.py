@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from cyclopts import App, CycloptsError
 
 from .. import __version__
-from ..errors import InputError, NoOpenGLError, ShaderError
+from ..errors import DriverError, InputError, NoOpenGLError, ShaderError
 from ..progress import hear_ctrl_c, say, was_stopped
 from .light import env, tables
 from .measure import bench, diff, info
@@ -104,6 +104,8 @@ def _told(error: BaseException) -> tuple[int, str]:
         first = next((line for line in lines if "error" in line.lower()), lines[0] if lines else "")
         more = f" (and {len(lines) - 1} lines more: GLCLOTH_DEBUG=1 shows them)" if len(lines) > 1 else ""
         return 1, f"a shader does not compile on this driver: {first}{more}"
+    if isinstance(error, DriverError):
+        return 1, f"{error}; please report it with what `glcloth info` says"
     if isinstance(error, MemoryError):
         return 2, "out of memory; choose a smaller --size, --grid or environment"
     if isinstance(error, BrokenPipeError):

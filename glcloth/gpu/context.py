@@ -13,7 +13,7 @@ os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
 import moderngl
 import OpenGL
 
-from ..errors import InputError, NoOpenGLError
+from ..errors import DriverError, InputError, NoOpenGLError
 
 OpenGL.ERROR_CHECKING = False
 OpenGL.ERROR_LOGGING = False
@@ -76,6 +76,22 @@ def create_context(device: int | None = None) -> moderngl.Context:
     if ctx is None:
         raise _failure(tried)
     return ctx
+
+
+def check_errors(ctx: moderngl.Context, what: str) -> None:
+    """Raise DriverError for what OpenGL reports since the last call, InputError where its memory is at an end.
+
+    OpenGL leaves a call that it refuses undone and tells only who asks: a picture may be black without a word.
+    """
+    found: list[str] = []
+    while (error := ctx.error) != "GL_NO_ERROR" and len(found) < 8:
+        found.append(error)
+    if "GL_OUT_OF_MEMORY" in found:
+        raise InputError(f"{what}: the memory of the GPU is at an end; choose a smaller --size or fewer triangles")
+    if found:
+        raise DriverError(
+            f"{what}: OpenGL reports {', '.join(dict.fromkeys(found))}, and the result is not to be trusted"
+        )
 
 
 def list_devices() -> list[Device]:

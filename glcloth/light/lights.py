@@ -20,9 +20,12 @@ def _frozen(array, dtype=np.float64) -> np.ndarray:
 
 
 def _units(name: str, vectors: np.ndarray) -> np.ndarray:
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    if not np.all(np.isfinite(vectors)) or np.any(length < 1e-12):
-        raise InputError(f"lights: {name} has a zero or non-finite vector, expected directions; give unit vectors")
+    good = (abs(vectors) <= BRIGHTEST).all()
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True) if good else np.zeros(1)
+    if not good or np.any(length < 1e-12):
+        raise InputError(
+            f"lights: {name} has a zero, huge or non-finite vector, expected directions; give unit vectors"
+        )
     # A vector that is unit up to rounding stays as it is, so that saved lights read back bit for bit.
     return np.where(np.abs(length - 1) < 1e-15, vectors, vectors / length)
 

@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import InputError
 from ..fabric import Fabric
 from ..geometry.camera import Camera, lens_samples, sample_offsets
-from ..gpu.context import create_context
+from ..gpu.context import check_errors, create_context
 from ..gpu.gbuffer import GBuffer
 from ..light.environment import Environment
 from ..light.lights import Lights, SphericalGaussians, as_lights
@@ -102,7 +102,9 @@ class Renderer:
         if scene.curtain is not None:
             if names:
                 raise InputError("aovs: layers are of cloth under an environment; the curtain has its picture alone")
-            return self.show(scene, **changes).picture()
+            picture = self.show(scene, **changes).picture()
+            check_errors(self.ctx, "curtain")
+            return picture
         frame = self.prepare(scene, **changes)
         return self.render_layers(frame, names) if names else self.render_frame(frame)
 
@@ -159,6 +161,7 @@ class Renderer:
         self._last = frame
         self.draw(frame)
         picture = self.target.read()
+        check_errors(self.ctx, f"method {frame.scene.method}")
         return picture[..., :3] if frame.scene.background else picture
 
     def draw(self, frame: Frame) -> None:
@@ -345,4 +348,6 @@ class Renderer:
             return chosen.part_radiances(buffers, fabric, lights, how, omega_o)
         buffers.prepare(fabric, lights)
         chosen.prepare(fabric, lights, how)
-        return chosen.radiance(buffers, omega_o)
+        radiance = chosen.radiance(buffers, omega_o)
+        check_errors(self.ctx, f"method {method}")
+        return radiance

@@ -1,6 +1,8 @@
 """Hostile input through the doors: one printable line, exit code 2, no file, and no more memory than is reasonable."""
 
 import os
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -161,3 +163,12 @@ def test_a_file_written_over_keeps_its_permissions_and_a_link_its_target(tmp_pat
     mask = os.umask(0)
     os.umask(mask)
     assert (tmp_path / "fresh.txt").stat().st_mode & 0o777 == 0o666 & ~mask
+
+
+def test_ctrl_c_after_the_last_line_changes_nothing():
+    """The interpreter tidies up for up to a tenth of a second, and then had no handler any more."""
+    late = "import atexit, os, signal, sys, weakref\n"
+    late += "class Late:\n    def __del__(self, kill=os.kill, me=os.getpid(), what=signal.SIGINT): kill(me, what)\n"
+    late += "sys.late = Late()\nsys.argv = ['glcloth', '--version']\nfrom glcloth.__main__ import main\nmain()\n"
+    done = subprocess.run([sys.executable, "-c", late], capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.strip() and not done.stderr, done

@@ -1,10 +1,13 @@
 """Fabrics: sampling of tangent curves, the weights of both normalisations, files, edits."""
 
+import re
+
 import numpy as np
 import pytest
 
 from glcloth.errors import InputError
-from glcloth.fabric import Yarn, builtin_fabrics, load_fabric, save_fabric
+from glcloth.fabric import FABRICS, Yarn, builtin_fabrics, load_fabric, save_fabric
+from glcloth.twins.cloth import f_cloth
 
 SIX = ("linen", "silk_crepe_de_chine", "satin_charmeuse_front", "satin_charmeuse_back", "silk_shot", "velvet")
 
@@ -71,3 +74,28 @@ def test_an_edit_derives_everything_anew():
     assert (fabric.tangents, fabric.weights.tolist()) == (before[0], before[1].tolist())
     with pytest.raises(InputError, match="eta"):
         first.changed(eta=0.5)
+
+
+def test_more_light_than_there_is_is_told_and_can_be_limited(tmp_path, capsys):
+    """Against a Monte Carlo furnace in other directions."""
+    text = (FABRICS / "satin_charmeuse_front.toml").read_text()
+    white = re.sub(r"albedo = \[[^]]*\]", "albedo = [1, 1, 1]", text)
+    (tmp_path / "white.toml").write_text(white)
+    (tmp_path / "limited.toml").write_text('energy = "limit"\n' + white)
+    given = load_fabric(tmp_path / "white.toml")
+    said = capsys.readouterr().err
+    assert f"gives back {given.largest_albedo:.2f} times" in said and said.count("\n") == 1
+    limited = load_fabric(tmp_path / "limited.toml")
+    assert not capsys.readouterr().err
+    r = np.random.default_rng(7).normal(size=(6_000, 3))
+    omega_i = r / np.linalg.norm(r, axis=1, keepdims=True)
+    omega_i[:, 2] = np.abs(omega_i[:, 2])
+    c = (0.1, 0.3, 0.5)
+    views = np.concatenate(
+        [[(np.sqrt(1 - z * z) * x, np.sqrt(1 - z * z) * y, z) for z in c] for x, y in ((1, 0), (0, 1))]
+    )
+    most = [max(2 * np.pi * f_cloth(omega_i, o, *f.arrays()).mean(0).max() for o in views) for f in (given, limited)]
+    assert most[0] == pytest.approx(given.largest_albedo, rel=0.08) and 0.9 < most[1] < 1.08
+    assert (
+        load_fabric("satin_charmeuse_front").weights.tolist() == load_fabric("satin_charmeuse_front")._weights.tolist()
+    )
