@@ -21,7 +21,7 @@ from ..visibility.hit_vertices import HitSurface
 from ..visibility.irradiance import irradiance_table
 from ..visibility.pixels import SEEN_ALL, PixelView
 from ..visibility.probes import lift_off_facets, subdivided
-from ..visibility.sheets import mean_lambert, sees_through
+from ..visibility.sheets import Passed, sees_through
 from ..visibility.vertices import FLAT
 from .adaptive import AdaptiveRate
 from .frame import Cloth, Frame
@@ -41,7 +41,8 @@ class ClothSurface(Surface):
         self.scene_buffers = SceneBuffers(ctx)
         self.methods: dict[str, Method] = {}
         self._finer: Last[Mesh] = Last()
-        self._passed: Last[tuple[np.ndarray, float]] = Last()
+        self._passed: Last[Passed] = Last()
+        self._limit: Last[float] = Last()
         self.adaptive_rate: AdaptiveRate | None = None
         self.threads = Threads(ctx)
 
@@ -76,12 +77,11 @@ class ClothSurface(Surface):
         """Where light passes through the fabric: how much evenly, whether straight on, and what is left to reflect."""
         self.transmission, self._lights = fabric.transmission, frame.lights
         self.sheer = sees_through(self.transmission)
-        passes, limit = np.zeros(3), 1.0
+        limit = 1.0
         if self.transmission is not None:
-            passes, limit = self._passed.get(
-                lambda: (mean_lambert(fabric.transmission), reflection_limit(fabric)), fabric
-            )
-        self.visibility.passed, self.visibility.limit = passes, limit
+            limit = self._limit.get(lambda: reflection_limit(fabric), fabric)
+        self.visibility.passed = self._passed.get(lambda: Passed.of(fabric.transmission), fabric)
+        self.visibility.limit = limit
         self.adaptive &= limit == 1.0  # its passes have no weight
 
     def _uploaded(self, drawn: Mesh, original: Mesh) -> MeshBuffers:

@@ -41,7 +41,7 @@ class Bounce:
         """
         key = tuple(
             (
-                *(visibility, visibility.vertices.version, visibility.passed.tobytes()),
+                *(visibility, visibility.vertices.version, visibility.passed.evenly.tobytes()),
                 share.tobytes() if share.ndim == 1 else share,
             )
             for visibility, share in surfaces
@@ -72,6 +72,6 @@ class Bounce:
         inputs |= {"mean_data": vertices.means, "group_count": vertices.groups, "reflectance_data": self._reflectances}
         own: dict = {"own_reflectance": each, "reflectance": np.zeros(3) if each else share}
         if visibility.sheets is not None:
-            own["passed"] = visibility.passed
+            own["passed"] = visibility.passed.evenly
         items = {"first_item": first, "vertex_count": end - first, "offset": hit.offset}
         program.run(end - first, inputs, own, items, Radiance=self._radiance)

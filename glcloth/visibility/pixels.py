@@ -22,7 +22,7 @@ from ..scene import ShadowMode
 from ..twins.visibility import own_directions
 from .furnace import Furnace
 from .hit_vertices import HitVertices
-from .sheets import Sheets, sight
+from .sheets import Passed, Sheets, sight
 from .vertices import FEWEST, FLAT, NARROW, VertexVisibility, broad_number, sun_number, top_number
 
 # Choices for "seen.glsl" in a program that shades.
@@ -68,7 +68,7 @@ class PixelVisibility:
         self._structure: Structure | None = None
         self.lights: Lights
         self.sheets: Sheets | None = None
-        self.passed = np.zeros(3)  # what of even light comes evenly through the mesh
+        self.passed = Passed.of(None)  # what of even light comes through the mesh
         self.limit = 1.0  # by which its reflection is dimmed
         self._transmissions: tuple = ()
         self._meshes: tuple[Mesh, ...] = ()  # whose vertices were taken, and the others that hide light
@@ -175,7 +175,12 @@ class PixelVisibility:
         """The bounce's inputs from the fabric of this mesh, by their names in GLSL."""
         if self.mode != "full" or not self.bounce:
             return {"albedo": np.zeros(3)}
-        names: dict[str, Any] = {"albedo": self.furnace.albedo(fabric) * self.limit + self.passed}
+        albedo = self.furnace.albedo(fabric) * self.limit
+        if self.sheets is not None and self.occluders is None:
+            # Cloth that hides light sends back what it reflects and what comes evenly through it; it lets the straight share
+            # on, so that 1 - V is only the rest of what it covers.
+            albedo = np.minimum((albedo + self.passed.evenly) / np.maximum(1.0 - self.passed.straight, 1e-3), 1.0)
+        names: dict[str, Any] = {"albedo": albedo}
         return names if self.occluders is None else names | {"views": self.furnace.views(fabric)}
 
 

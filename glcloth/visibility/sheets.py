@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -70,8 +70,17 @@ def sees_through(t: Transmission | None) -> bool:
     return bool(T_straight(normal, t.k_a, t.k_t, np.array(t.tau), t.rho, t.diffuse).max() > SHEER)
 
 
-def mean_lambert(t: Transmission | None) -> np.ndarray:
-    """The share [3] of even light that comes evenly through, in the mean over all views by their cosine."""
-    if t is None:
-        return np.zeros(3)
-    return T_lambert(cosine_directions(256), t.k_t, np.array(t.tau), t.rho, t.diffuse).mean(0)
+class Passed(NamedTuple):
+    """The shares [3] of even light that come through a cloth, in the mean over all views by their cosine."""
+
+    evenly: np.ndarray
+    straight: np.ndarray
+
+    @classmethod
+    def of(cls, t: Transmission | None) -> Passed:
+        """Of a fabric's transmission; None: nothing comes through."""
+        if t is None:
+            return cls(np.zeros(3), np.zeros(3))
+        views, tau = cosine_directions(256), np.array(t.tau)
+        evenly = T_lambert(views, t.k_t, tau, t.rho, t.diffuse).mean(0)
+        return cls(evenly, T_straight(views, t.k_a, t.k_t, tau, t.rho, t.diffuse).mean(0))
