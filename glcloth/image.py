@@ -29,6 +29,33 @@ HALF_MAX = 65504.0
 MOST_BYTES = 1 << 30  # of a Radiance file
 
 
+class Picture(np.ndarray):
+    """An array of a picture that a notebook shows; all else is as of any array.
+
+    exposure, view_transform : how it is shown, as for `write_image`
+    """
+
+    exposure: float
+    view_transform: str
+
+    def __array_finalize__(self, other: Any) -> None:
+        self.exposure = getattr(other, "exposure", 0.0)
+        self.view_transform = getattr(other, "view_transform", "standard")
+
+    def _repr_png_(self) -> bytes | None:
+        """The picture as a notebook shows it; None where the array is no picture any more: a row, a channel."""
+        if self.ndim != 3 or self.shape[-1] not in (3, 4) or 0 in self.shape or self.dtype.kind != "f":
+            return None
+        return _png(np.asarray(self), None, self.exposure, self.view_transform)
+
+
+def as_picture(array: np.ndarray, scene: Any) -> Picture:
+    """An array as a Picture that is shown as a scene says."""
+    picture = array.view(Picture)
+    picture.exposure, picture.view_transform = scene.exposure, scene.view_transform
+    return picture
+
+
 def read_image(path: str | Path, layer: str = "") -> np.ndarray:
     """Read a picture as float32 [H, W, 3] or [H, W, 4] (when it has alpha), linear Rec. 709.
 

@@ -110,6 +110,35 @@ class Mesh:
         corners = self.positions[self.triangles].astype(float)
         return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
 
+    def moved(self, positions: np.ndarray) -> Mesh:
+        """The same cloth with its vertices elsewhere: normals and yarn frames follow.
+
+        positions : [V, 3] metres, as many and in the order of this mesh's
+
+        Raises InputError for another number of vertices, and for numbers that are not finite.
+        """
+        positions = np.asarray(positions)
+        if positions.shape != self.positions.shape:
+            shape = "x".join(map(str, positions.shape))
+            raise InputError(
+                f"mesh {self.name}: {shape} positions, expected {len(self.positions)}x3, those of its vertices"
+            )
+        positions, triangles = _checked(positions, self.triangles, f"mesh {self.name}")
+        # A file's normals may point away from the side of the winding; they go on doing so.
+        before = _vertex_normals(self.positions.astype(float), triangles, None)
+        N = (
+            _vertex_normals(positions, triangles, None)
+            * np.where((before * self.normals).sum(1) < 0, -1.0, 1.0)[:, None]
+        )
+        sign = self.tangents[:, 3].astype(float)
+        if self.uv is None:
+            x = _fallback_tangents(N, _axis_order(positions, triangles, N))
+            return Mesh(self.name, positions, self.triangles, N, None, np.column_stack([x, sign]))
+        uv = self.uv.astype(float)
+        corner_tangent, _ = _corner_tangents(positions, triangles, uv, N)
+        tangents = _tangents(positions, triangles, N, uv, corner_tangent, sign)
+        return Mesh(self.name, positions, self.triangles, N, self.uv, tangents)
+
     def edges(self) -> np.ndarray:
         """Return each edge once, [E, 2], the lower vertex first."""
         corners = self.triangles

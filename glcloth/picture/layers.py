@@ -59,6 +59,10 @@ class Layers(dict):
         super().__init__()
         self.names: dict[str, list[str]] = {}
 
+    def _repr_png_(self) -> bytes | None:
+        """The picture itself, in a notebook."""
+        return self["beauty"]._repr_png_()
+
     def channels(self) -> dict[str, np.ndarray]:
         """All but the beauty by the names of channels in an EXR file, [H, W] each."""
         out: dict[str, np.ndarray] = {}
