@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import ConfigDict, Field, field_validator, model_serializer, model_validator
 
 from . import __version__
+from .color import Transform
 from .errors import InputError, short
 from .fabric import Fabric
 from .fields import Value, about, entries
 from .files import PACKAGE, atomic_write, read_toml
+from .ocio import ocio_view
 
 if TYPE_CHECKING:
     from .geometry.camera import Camera
@@ -205,6 +207,11 @@ class Scene(Value):
         slider=(-8.0, 8.0))
     view_transform: Literal["standard", "filmic", "neutral", "agx"] = option(
         "", "from light to the screen and PNG files", default="standard")
+    ocio: str = option(
+        "", "OpenColorIO config (.ocio .ocioz, or built in: ocio://default) whose views take the place of the view transform; "
+        "none: $OCIO where that is set and no view transform is said; or off", default="", file=True)
+    display: str = option("", "display of the config; none: its default", default="")
+    ocio_view: str = option("", "view of that display; none: its default", default="")
     background: bool = cloth("", "show the environment behind the cloth", default=True)
     accelerator: Literal["kdtree", "lbvh", "brute"] = curtain(
         "", "what rays are traced through; all give the same picture", default="kdtree")
@@ -315,6 +322,15 @@ class Scene(Value):
         if value != "auto" and not (number and 1 <= value <= 64):
             raise ValueError(f'expected 1 to 64 or "auto", not {short(value)}')
         return value
+
+    @property
+    def transform(self) -> Transform:
+        """From light to code values, for `write_image`: the view transform, or a view of an OpenColorIO config. Raises
+        InputError for a config, display or view that cannot be."""
+        asked = self.ocio or self.display or self.ocio_view
+        if self.ocio == "off" or (not asked and "view_transform" in self.model_fields_set):
+            return self.view_transform
+        return ocio_view(self.ocio, self.display, self.ocio_view) or self.view_transform
 
     @property
     def kind(self) -> Kind:

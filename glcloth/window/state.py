@@ -22,6 +22,9 @@ SHARED = (
     "size",
     "exposure",
     "view_transform",
+    "ocio",
+    "display",
+    "ocio_view",
     "background",
     "camera",
 )
