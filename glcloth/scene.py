@@ -169,8 +169,9 @@ class Scene(Value):
     mesh: str = cloth("", "built-in mesh or a file (.obj .ply .glb .gltf)", default="drape", file=True)
     objects: tuple[str, ...] = cloth(
         "", "mesh that stands by the cloth, matt, in its own colours; repeatable", default=(), option="--object", file=True)
-    ground: float | Literal["off", "auto"] = cloth(
-        "m", "height of a ground; alone or auto: just under the lowest point; or off", default="off")
+    ground: float | Literal["off", "auto", "catcher"] = cloth(
+        "m", "height of a ground; alone or auto: just under the lowest point; catcher: there, but only its shadow is seen; or "
+        "off", default="off")
     ground_color: tuple[Share, Share, Share] = cloth(
         "linear Rec. 709", "what the ground reflects, R,G,B", default=(0.3, 0.3, 0.3))
     env: str = option("", "built-in environment or a .hdr or .exr file", default="studio", file=True)
@@ -290,11 +291,11 @@ class Scene(Value):
         if isinstance(value, bool):
             return "auto" if value else "off"
         try:
-            height = value if value in ("off", "auto") else float(value)
+            height = value if value in ("off", "auto", "catcher") else float(value)
         except (TypeError, ValueError, OverflowError):
             height = math.nan
-        if height not in ("off", "auto") and not abs(height) <= FARTHEST:
-            raise ValueError(f"expected a height in metres, auto or off, not {short(value)}")
+        if height not in ("off", "auto", "catcher") and not abs(height) <= FARTHEST:
+            raise ValueError(f"expected a height in metres, auto, catcher or off, not {short(value)}")
         return height
 
     @field_validator("ground_color", mode="before")

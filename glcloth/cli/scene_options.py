@@ -18,7 +18,7 @@ class SceneOptions:
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
     mesh: Annotated[str | None, Parameter(help="Built-in mesh or a file (.obj .ply .glb .gltf).")] = None
     objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, matt, in its own colours; repeatable.")] = None
-    ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; or off (m).")] = None
+    ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; catcher: there, but only its shadow is seen; or off (m).")] = None
     ground_color: Annotated[str | None, Parameter(help="What the ground reflects, R,G,B (0 to 1 linear Rec. 709).")] = None
     env: Annotated[str | None, Parameter(help="Built-in environment or a .hdr or .exr file.")] = None
     layer: Annotated[str | None, Parameter(help="Layer of an OpenEXR environment with several; none: the picture proper.")] = None

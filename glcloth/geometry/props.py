@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -28,12 +28,14 @@ class Ground:
     center : x, z of the middle of the drawn part
     scale : metres; the rings about the middle are scale / (RINGS / 2) apart at it, four times that at `scale` from it
     color : diffuse reflectance, linear Rec. 709
+    catcher : it shows only its shadow, which fades out with the distance
     """
 
     height: float
     center: tuple[float, float]
     scale: float
     color: tuple[float, float, float]
+    catcher: bool = False
 
     @cached_property
     def mesh(self) -> Mesh:
@@ -90,13 +92,13 @@ def load_solids(names: Sequence[str]) -> tuple[Solid, ...]:
 
 
 def arrange(solids: Sequence[Solid], ground: float | str, color, cloth: Mesh) -> Objects:
-    """Objects and ground about a cloth, as a scene says: `ground` is a height, "auto" or "off"."""
+    """Objects and ground about a cloth, as a scene says: `ground` is a height, "auto", "catcher" or "off"."""
     # A cloth far from the origin was moved there, and what stands about it with it.
     meshes, reflectances = tuple(relative_to(s[0], cloth.origin) for s in solids), tuple(s[1] for s in solids)
     if ground == "off":
         return Objects(meshes, reflectances)
-    height = None if ground == "auto" else float(ground) - cloth.origin[1]
-    return Objects(meshes, reflectances, stand_on(cloth, meshes, height, color))
+    height = None if ground in ("auto", "catcher") else float(ground) - cloth.origin[1]
+    return Objects(meshes, reflectances, replace(stand_on(cloth, meshes, height, color), catcher=ground == "catcher"))
 
 
 def stand_on(cloth: Mesh, meshes: Sequence[Mesh], height: float | None, color) -> Ground:

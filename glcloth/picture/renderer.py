@@ -200,7 +200,8 @@ class Renderer:
         """Draw a frame in steps, for a caller with other things to do in between; together they do what `draw` does,
         bit for bit. Nothing else may be drawn with this renderer before the last step or the iterator's end.
 
-        Parameters: as for Pace, and `gathering` of layers; where it is a `preview`, `trace_visibility` makes the shadows complete.
+        Parameters: as for Pace, and `gathering` of layers; where it is a `preview`, `trace_visibility` makes the shadows
+        complete.
 
         Yields (passes finished, passes in all) after each step; the background follows the last one.
         """
