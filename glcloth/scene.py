@@ -94,6 +94,15 @@ class View(Value):
         return numbers
 
 
+class Bookmark(Value):
+    """A camera under a name."""
+
+    model_config = ConfigDict(title="bookmark")
+
+    name: str = about("", "of the bookmark", min_length=1)
+    camera: View = about("", "the camera, a table")
+
+
 class CurtainParameters(Value):
     """A curtain on a rail along x, the window in the plane z = 0 behind it, the floor at y = 0; SI units."""
 
@@ -231,6 +240,7 @@ class Scene(Value):
     rate: int = curtain("1/s", "frames per second", default=24, ge=1, le=240, option=False)
     frame: int = curtain("", "frame of the moving curtain", default=48, ge=0, le=100_000, option=False)
     camera: View = about("", "the camera, a table", default_factory=View)
+    bookmarks: tuple[Bookmark, ...] = about("", "other cameras, tables with name and camera; --view NAME takes one", default=())
     curtain: CurtainParameters | None = about("", "the curtain, a table; with it the scene is the curtain", default=None)
     # fmt: on
 
@@ -332,6 +342,19 @@ class Scene(Value):
         if self.ocio == "off" or (not asked and "view_transform" in self.model_fields_set):
             return self.view_transform
         return ocio_view(self.ocio, self.display, self.ocio_view) or self.view_transform
+
+    def bookmark(self, name: str) -> View | None:
+        """The camera that is kept under a name; None: there is none."""
+        return next((one.camera for one in self.bookmarks if one.name == name), None)
+
+    def with_bookmark(self, name: str, camera: View | None) -> tuple[Bookmark, ...]:
+        """Its bookmarks with one more, another or (None) one less."""
+        if camera is None:
+            return tuple(one for one in self.bookmarks if one.name != name)
+        new = Bookmark(name=name, camera=camera)
+        if self.bookmark(name) is None:
+            return (*self.bookmarks, new)
+        return tuple(new if one.name == name else one for one in self.bookmarks)
 
     @property
     def kind(self) -> Kind:

@@ -166,7 +166,11 @@ class Solids(Surface):
         ground = self.objects.ground
         assert ground is not None
         method = self._lit_by.method
-        E = method.open_irradiance() if method.lights_solids else self._open_irradiance.get(self._sum_open, self._lights)
+        E = (
+            method.open_irradiance()
+            if method.lights_solids
+            else self._open_irradiance.get(self._sum_open, self._lights)
+        )
         return {
             "first_catching": self.hiding,
             "catcher_middle": ground.center,

@@ -71,7 +71,7 @@ class Surface(ABC):
 
     @property
     def shown_triangles(self) -> int:
-        """How many triangles, from the first, are things of the picture: all but those of a ground that shows its shadow alone."""
+        """How many triangles, from the first, are things of the picture: not those of a ground that shows its shadow alone."""
         return len(self.mesh.triangles)
 
     def albedo_at(self, triangles: np.ndarray) -> np.ndarray:

@@ -23,7 +23,9 @@ colorspaces:
   - !<ColorSpace> {name: raw, isdata: true}
   - !<ColorSpace> {name: lin_rec709}
   - !<ColorSpace> {name: curve, from_scene_reference: !<ExponentTransform> {value: 2.0, direction: inverse}}
-  - !<ColorSpace> {name: half, from_scene_reference: !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}}
+  - !<ColorSpace>
+    name: half
+    from_scene_reference: !<MatrixTransform> {matrix: [0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 0.5, 0, 0, 0, 0, 1]}
 """
 
 
