@@ -43,20 +43,22 @@ class OcioView:
 
     @cached_property
     def _processor(self) -> Any:
-        import PyOpenColorIO as ocio
+        import PyOpenColorIO
 
         config, _ = _loaded(self.config, _changed_at(self.config))
         space = next((name for name in map(config.getCanonicalName, LINEAR) if config.getColorSpace(name)), None)
         try:
             if space is None:
                 # The config's own space of scenes, reached from ours by the space that configs interchange.
-                space = ocio.ROLE_SCENE_LINEAR
-                first = ocio.Config.GetProcessorFromBuiltinColorSpace(LINEAR[0], config, space).getDefaultCPUProcessor()
+                space = PyOpenColorIO.ROLE_SCENE_LINEAR
+                first = PyOpenColorIO.Config.GetProcessorFromBuiltinColorSpace(
+                    LINEAR[0], config, space
+                ).getDefaultCPUProcessor()
             else:
                 first = None
-            transform = ocio.DisplayViewTransform(src=space, display=self.display, view=self.view)
+            transform = PyOpenColorIO.DisplayViewTransform(src=space, display=self.display, view=self.view)
             return first, config.getProcessor(transform).getDefaultCPUProcessor()
-        except ocio.Exception as error:
+        except PyOpenColorIO.Exception as error:
             raise _wrong(self.config, error) from None
 
     def __call__(self, rgb: np.ndarray) -> np.ndarray:
@@ -124,17 +126,17 @@ def _changed_at(name: str) -> int:
 @lru_cache(maxsize=4)
 def _loaded(name: str, _changed: int) -> tuple[Any, dict[str, list[str]]]:
     """A config, and the views of its displays, the default ones first. Raises InputError."""
-    import PyOpenColorIO as ocio
+    import PyOpenColorIO
 
     if not name.startswith("ocio://") and not os.path.isfile(name):
         raise InputError(
             f"ocio {name}: no such file; give a config (.ocio, .ocioz) or a built-in one such as ocio://default"
         )
-    ocio.SetLoggingLevel(ocio.LOGGING_LEVEL_NONE)
+    PyOpenColorIO.SetLoggingLevel(PyOpenColorIO.LOGGING_LEVEL_NONE)
     try:
-        config = ocio.Config.CreateFromFile(name)
+        config = PyOpenColorIO.Config.CreateFromFile(name)
         config.validate()
-    except ocio.Exception as error:
+    except PyOpenColorIO.Exception as error:
         raise _wrong(name, error) from None
     displays = {}
     for display in sorted(config.getDisplays(), key=lambda d: d != config.getDefaultDisplay()):

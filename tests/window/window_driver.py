@@ -109,9 +109,17 @@ def events(folder):
     during(app, ["key", "Home"])
     out["home"] = bool(app.actions.camera == home)
     out["home_picture"] = bool(np.array_equal(app.actions.picture(), first))
+    during(app, ["mousemove", 60, 50], ["mousedown", 3], ["mousemove", 75, 50], ["mousemove", 90, 50], ["mouseup", 3])
+    out["turned"] = app.session.scene.env_rotate
+    during(app, ["key", "ctrl+z"])
+    out["undone"] = app.session.scene.env_rotate
+    during(app, ["key", "ctrl+shift+z"])
+    out["redone"] = app.session.scene.env_rotate
+    app.session.undo()
+    settle(app)
     # A bookmark: kept, gone to, and a step of undo.
     during(app, ["key", "ctrl+2"])
-    during(app, ["mousemove", 60, 50], ["click", "--repeat", 3, 5])
+    app.actions.zoom(1.3)
     away = distance(app)
     during(app, ["key", "2"])
     kept = app.session.scene.bookmark("2")
@@ -124,14 +132,6 @@ def events(folder):
     out["parallel"] = app.actions.camera.ortho
     during(app, ["key", "ctrl+z"], ["key", "Home"])
     out["bookmark"].append(app.session.scene.bookmarks == ())
-    during(app, ["mousemove", 60, 50], ["mousedown", 3], ["mousemove", 75, 50], ["mousemove", 90, 50], ["mouseup", 3])
-    out["turned"] = app.session.scene.env_rotate
-    during(app, ["key", "ctrl+z"])
-    out["undone"] = app.session.scene.env_rotate
-    during(app, ["key", "ctrl+shift+z"])
-    out["redone"] = app.session.scene.env_rotate
-    app.session.undo()
-    settle(app)
     # Files: a bad one leaves everything as it was.
     (folder / "bad.hdr").write_bytes(b"nothing")
     before = app.session.document
