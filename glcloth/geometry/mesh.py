@@ -123,21 +123,21 @@ class Mesh:
             raise InputError(
                 f"mesh {self.name}: {shape} positions, expected {len(self.positions)}x3, those of its vertices"
             )
-        positions, triangles = _checked(positions, self.triangles, f"mesh {self.name}")
-        # A file's normals may point away from the side of the winding; they go on doing so.
-        before = _vertex_normals(self.positions.astype(float), triangles, None)
-        N = (
-            _vertex_normals(positions, triangles, None)
-            * np.where((before * self.normals).sum(1) < 0, -1.0, 1.0)[:, None]
-        )
+        positions = positions.astype(np.float32).astype(np.float64)
+        if not (np.abs(positions) <= LARGEST).all():
+            raise InputError(f"mesh {self.name}: positions, expected finite numbers up to {LARGEST:g}")
+        _, place = distinct(self.positions.astype(np.float64))  # what was sewn stays so, what meets is not
+        new = Faces.of(positions, self.triangles)
+        angles = new.angles()
+        N = _vertex_normals(len(positions), place, new, angles, None)
         sign = self.tangents[:, 3].astype(float)
         if self.uv is None:
-            x = _fallback_tangents(N, _axis_order(positions, triangles, N))
-            return Mesh(self.name, positions, self.triangles, N, None, np.column_stack([x, sign]))
-        uv = self.uv.astype(float)
-        corner_tangent, _ = _corner_tangents(positions, triangles, uv, N)
-        tangents = _tangents(positions, triangles, N, uv, corner_tangent, sign)
-        return Mesh(self.name, positions, self.triangles, N, self.uv, tangents)
+            tangents = np.column_stack([_fallback_tangents(N, _axis_order(new, N)), sign])
+        else:
+            uv = self.uv.astype(float)
+            weighted = _face_tangents(new, uv, N)[0] * angles[:, None]
+            tangents = _tangents(place, new, N, uv, weighted, sign)
+        return replace(self, positions=positions, normals=N, tangents=tangents)
 
     def edges(self) -> np.ndarray:
         """Return each edge once, [E, 2], the lower vertex first."""
