@@ -33,6 +33,7 @@ _PUBLIC = {
     "save_fabric": "fabric",
     "save_mesh": "geometry.mesh_files",
     "save_scene": "scene",
+    "show": "picture.show",
     "tables_for": "methods.paper.tables",
     "tables_report": "methods.paper.tables",
     "write_image": "image",

@@ -103,13 +103,16 @@ def known_transform(name: str) -> str:
     return name
 
 
-def view(rgb: np.ndarray, transform: str = "standard", exposure: float = 0.0) -> np.ndarray:
-    """Code values 0..1 [..., 3] of linear Rec. 709 colours after `exposure` stops and a named view transform.
+Transform = str | Callable[[np.ndarray], np.ndarray]  # a name in VIEW_TRANSFORMS, or a function such as ocio.OcioView
 
-    `transform` is one of VIEW_TRANSFORMS. Not-a-number becomes black, infinity white. Raises InputError on an
-    unknown name.
+
+def view(rgb: np.ndarray, transform: Transform = "standard", exposure: float = 0.0) -> np.ndarray:
+    """Code values 0..1 [..., 3] of linear Rec. 709 colours after `exposure` stops and a view transform.
+
+    `transform` is one of VIEW_TRANSFORMS, or a function. Not-a-number becomes black, infinity white. Raises InputError on
+    an unknown name.
     """
-    known_transform(transform)
+    chosen = transform if callable(transform) else VIEW_TRANSFORMS[known_transform(transform)]
     # 2^15 is beyond every curve's shoulder; larger finite values would overflow in the rational curves.
     scaled = np.nan_to_num(np.asarray(rgb, np.float64), nan=0.0, posinf=1e30, neginf=0.0) * 2.0**exposure
-    return VIEW_TRANSFORMS[transform](np.clip(scaled, 0.0, 2.0**15))
+    return chosen(np.clip(scaled, 0.0, 2.0**15))

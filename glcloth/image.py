@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .color import srgb_decode, view
+from .color import Transform, srgb_decode, view
 from .errors import InputError
 from .files import MOST_TEXT, atomic_write, check_writable, read_bytes, read_json
 from .formats.common import broken, check_pixels, silence
@@ -27,6 +27,32 @@ WRITABLE = (".exr", ".png")
 SETTINGS_KEY = "glcloth"
 HALF_MAX = 65504.0
 MOST_BYTES = 1 << 30  # of a Radiance file
+
+
+class Picture(np.ndarray):
+    """An array of a picture that a notebook shows; all else is as of any array.
+
+    scene : the scene that says how it is shown; None: as `write_image` does
+    """
+
+    scene: Any
+
+    def __array_finalize__(self, other: Any) -> None:
+        self.scene = getattr(other, "scene", None)
+
+    def _repr_png_(self) -> bytes | None:
+        """The picture as a notebook shows it; None where the array is no picture any more: a row, a channel."""
+        if self.ndim != 3 or self.shape[-1] not in (3, 4) or 0 in self.shape or self.dtype.kind != "f":
+            return None
+        look = (0.0, "standard") if self.scene is None else (self.scene.exposure, self.scene.transform)
+        return _png(np.asarray(self), None, *look)
+
+
+def as_picture(array: np.ndarray, scene: Any) -> Picture:
+    """An array as a Picture that is shown as a scene says."""
+    picture = array.view(Picture)
+    picture.scene = scene
+    return picture
 
 
 def read_image(path: str | Path, layer: str = "") -> np.ndarray:
@@ -64,7 +90,7 @@ def write_image(
     settings: dict | None = None,
     half: bool = False,
     exposure: float = 0.0,
-    view_transform: str = "standard",
+    view_transform: Transform = "standard",
     layers: Any = None,
 ) -> Path:
     """Write `array` ([H, W], [H, W, 3] or [H, W, 4], linear Rec. 709) to .exr or .png, whole or not at all.
@@ -74,7 +100,7 @@ def write_image(
     settings : of the picture; stored as JSON (EXR attribute or PNG text chunk "glcloth"), see read_settings
     half : EXR with 16-bit floats (values beyond 65504 are limited); else 32-bit
     exposure : stops, PNG only
-    view_transform : a name in color.VIEW_TRANSFORMS, PNG only
+    view_transform : a name in color.VIEW_TRANSFORMS, or a function such as ocio.OcioView, PNG only
     layers : picture.layers.Layers of the picture, EXR with 32-bit floats only
 
     An EXR is the scene-linear picture itself: exposure and view transform do not touch it. Returns the path.
@@ -285,7 +311,7 @@ def _png_bit_depth(path: Path) -> int:
         return (file.read(25) + bytes(25))[24]
 
 
-def _png(array: np.ndarray, text: str | None, exposure: float, view_transform: str) -> bytes:
+def _png(array: np.ndarray, text: str | None, exposure: float, view_transform: Transform) -> bytes:
     from PIL import Image
     from PIL.PngImagePlugin import PngInfo
 
@@ -299,8 +325,9 @@ def _png(array: np.ndarray, text: str | None, exposure: float, view_transform: s
     info = PngInfo()
     if text is not None:
         info.add_itxt(SETTINGS_KEY, text)
-    # 0 = perceptual; it declares that the codes are sRGB.
-    info.add(b"sRGB", b"\x00")
+    if getattr(view_transform, "srgb", True):
+        # 0 = perceptual; it declares that the codes are sRGB.
+        info.add(b"sRGB", b"\x00")
     buffer = io.BytesIO()
     Image.fromarray(np.round(code * 255.0).astype(np.uint8)).save(buffer, "PNG", pnginfo=info)
     return buffer.getvalue()

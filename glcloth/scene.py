@@ -16,10 +16,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import ConfigDict, Field, field_validator, model_serializer, model_validator
 
 from . import __version__
+from .color import Transform
 from .errors import InputError, short
 from .fabric import Fabric
 from .fields import Value, about, entries
 from .files import PACKAGE, atomic_write, read_toml
+from .ocio import ocio_view
 
 if TYPE_CHECKING:
     from .geometry.camera import Camera
@@ -90,6 +92,15 @@ class View(Value):
         if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
             raise ValueError(f"expected X,Y,Z such as 0,1.5,3, not {value!r}")
         return numbers
+
+
+class Bookmark(Value):
+    """A camera under a name."""
+
+    model_config = ConfigDict(title="bookmark")
+
+    name: str = about("", "of the bookmark", min_length=1)
+    camera: View = about("", "the camera, a table")
 
 
 class CurtainParameters(Value):
@@ -167,8 +178,9 @@ class Scene(Value):
     mesh: str = cloth("", "built-in mesh or a file (.obj .ply .glb .gltf)", default="drape", file=True)
     objects: tuple[str, ...] = cloth(
         "", "mesh that stands by the cloth, matt, in its own colours; repeatable", default=(), option="--object", file=True)
-    ground: float | Literal["off", "auto"] = cloth(
-        "m", "height of a ground; alone or auto: just under the lowest point; or off", default="off")
+    ground: float | Literal["off", "auto", "catcher"] = cloth(
+        "m", "height of a ground; alone or auto: just under the lowest point; catcher: there, but only its shadow is seen; or "
+        "off", default="off")
     ground_color: tuple[Share, Share, Share] = cloth(
         "linear Rec. 709", "what the ground reflects, R,G,B", default=(0.3, 0.3, 0.3))
     env: str = option("", "built-in environment or a .hdr or .exr file", default="studio", file=True)
@@ -205,6 +217,11 @@ class Scene(Value):
         slider=(-8.0, 8.0))
     view_transform: Literal["standard", "filmic", "neutral", "agx"] = option(
         "", "from light to the screen and PNG files", default="standard")
+    ocio: str = option(
+        "", "OpenColorIO config (.ocio .ocioz, or built in: ocio://default) whose views take the place of the view transform; "
+        "none: $OCIO where that is set and no view transform is said; or off", default="", file=True)
+    display: str = option("", "display of the config; none: its default", default="")
+    ocio_view: str = option("", "view of that display; none: its default", default="")
     background: bool = cloth("", "show the environment behind the cloth", default=True)
     accelerator: Literal["kdtree", "lbvh", "brute"] = curtain(
         "", "what rays are traced through; all give the same picture", default="kdtree")
@@ -223,6 +240,7 @@ class Scene(Value):
     rate: int = curtain("1/s", "frames per second", default=24, ge=1, le=240, option=False)
     frame: int = curtain("", "frame of the moving curtain", default=48, ge=0, le=100_000, option=False)
     camera: View = about("", "the camera, a table", default_factory=View)
+    bookmarks: tuple[Bookmark, ...] = about("", "other cameras, tables with name and camera; --view NAME takes one", default=())
     curtain: CurtainParameters | None = about("", "the curtain, a table; with it the scene is the curtain", default=None)
     # fmt: on
 
@@ -283,11 +301,11 @@ class Scene(Value):
         if isinstance(value, bool):
             return "auto" if value else "off"
         try:
-            height = value if value in ("off", "auto") else float(value)
+            height = value if value in ("off", "auto", "catcher") else float(value)
         except (TypeError, ValueError, OverflowError):
             height = math.nan
-        if height not in ("off", "auto") and not abs(height) <= FARTHEST:
-            raise ValueError(f"expected a height in metres, auto or off, not {short(value)}")
+        if height not in ("off", "auto", "catcher") and not abs(height) <= FARTHEST:
+            raise ValueError(f"expected a height in metres, auto, catcher or off, not {short(value)}")
         return height
 
     @field_validator("ground_color", mode="before")
@@ -315,6 +333,28 @@ class Scene(Value):
         if value != "auto" and not (number and 1 <= value <= 64):
             raise ValueError(f'expected 1 to 64 or "auto", not {short(value)}')
         return value
+
+    @property
+    def transform(self) -> Transform:
+        """From light to code values, for `write_image`: the view transform, or a view of an OpenColorIO config. Raises
+        InputError for a config, display or view that cannot be."""
+        asked = self.ocio or self.display or self.ocio_view
+        if self.ocio == "off" or (not asked and "view_transform" in self.model_fields_set):
+            return self.view_transform
+        return ocio_view(self.ocio, self.display, self.ocio_view) or self.view_transform
+
+    def bookmark(self, name: str) -> View | None:
+        """The camera that is kept under a name; None: there is none."""
+        return next((one.camera for one in self.bookmarks if one.name == name), None)
+
+    def with_bookmark(self, name: str, camera: View | None) -> tuple[Bookmark, ...]:
+        """Its bookmarks with one more, another or (None) one less."""
+        if camera is None:
+            return tuple(one for one in self.bookmarks if one.name != name)
+        new = Bookmark(name=name, camera=camera)
+        if self.bookmark(name) is None:
+            return (*self.bookmarks, new)
+        return tuple(new if one.name == name else one for one in self.bookmarks)
 
     @property
     def kind(self) -> Kind:

@@ -38,7 +38,7 @@ def _with_heights(arguments: list[str]) -> list[str]:
     out: list[str] = []
     waiting = False
     for argument in arguments:
-        given = waiting and re.fullmatch(r"auto|off|[-+]?(\.?\d.*|nan|inf)", argument)
+        given = waiting and re.fullmatch(r"auto|off|catcher|[-+]?(\.?\d.*|nan|inf)", argument)
         if waiting:
             out.append("--ground=" + (argument if given else "auto"))
         waiting = argument == "--ground"

@@ -27,7 +27,7 @@ def scene_of(name: str | None, options: SceneOptions | None = None, **changes: A
         changes["curtain"] = scene.curtain.changed(**table)
     look = {key: changes.pop(key) for key in View.model_fields if key in changes}
     if look:
-        changes["camera"] = _looked(scene.camera, look)
+        changes["camera"] = _looked(scene, look)
     scene = scene.changed(**changes) if changes else scene
     if scene.camera.aperture > 0.0 and scene.spp == 1:
         warn(
@@ -36,8 +36,13 @@ def scene_of(name: str | None, options: SceneOptions | None = None, **changes: A
     return scene
 
 
-def _looked(camera: View, look: dict[str, Any]) -> View:
-    """A camera with the options that were given: a view by name takes the place of the scene's own place."""
+def _looked(scene: Scene, look: dict[str, Any]) -> View:
+    """A camera with the options that were given: a view by name takes the place of the scene's own place, and a bookmark is a
+    whole camera."""
+    camera = scene.camera
+    if (marked := scene.bookmark(look.get("view", ""))) is not None:
+        camera = marked
+        look = {name: value for name, value in look.items() if name != "view"}
     if "fov_deg" in look and "ortho" in look:
         raise InputError("--fov, --ortho: an angle of view or parallel rays; give one of them")
     gone = (

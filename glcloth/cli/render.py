@@ -61,6 +61,7 @@ def render(
     from ..scene import header
 
     check_output(output)
+    transform = chosen.transform
     begin = time.perf_counter()
     with Renderer(device) as renderer:
         if layers or show_tree is not None:
@@ -68,7 +69,7 @@ def render(
         else:
             picture = renderer.render(chosen, aovs=aov or ())
         facts, gl = renderer.facts(), renderer.ctx.info["GL_RENDERER"]
-    look: dict[str, Any] = {"exposure": chosen.exposure, "view_transform": chosen.view_transform}
+    look: dict[str, Any] = {"exposure": chosen.exposure, "view_transform": transform}
     if aov:
         look["layers"], picture = picture, picture["beauty"]
     write_image(output, picture, header(chosen), **look)

@@ -18,7 +18,7 @@ class SceneOptions:
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
     mesh: Annotated[str | None, Parameter(help="Built-in mesh or a file (.obj .ply .glb .gltf).")] = None
     objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, matt, in its own colours; repeatable.")] = None
-    ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; or off (m).")] = None
+    ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; catcher: there, but only its shadow is seen; or off (m).")] = None
     ground_color: Annotated[str | None, Parameter(help="What the ground reflects, R,G,B (0 to 1 linear Rec. 709).")] = None
     env: Annotated[str | None, Parameter(help="Built-in environment or a .hdr or .exr file.")] = None
     layer: Annotated[str | None, Parameter(help="Layer of an OpenEXR environment with several; none: the picture proper.")] = None
@@ -40,6 +40,9 @@ class SceneOptions:
     size: Annotated[str | None, Parameter(help="WIDTHxHEIGHT (pixels).")] = None
     exposure: Annotated[float | None, Parameter(help="Brightness on screen and in PNG files; EXR files keep the light itself (-20 to 20 stops).")] = None
     view_transform: Annotated[str | None, Parameter(help="From light to the screen and PNG files (standard, filmic, neutral or agx).")] = None
+    ocio: Annotated[str | None, Parameter(help="OpenColorIO config (.ocio .ocioz, or built in: ocio://default) whose views take the place of the view transform; none: $OCIO where that is set and no view transform is said; or off.")] = None
+    display: Annotated[str | None, Parameter(help="Display of the config; none: its default.")] = None
+    ocio_view: Annotated[str | None, Parameter(help="View of that display; none: its default.")] = None
     background: Annotated[bool | None, Parameter(help="Show the environment behind the cloth.")] = None
     accelerator: Annotated[str | None, Parameter(help="What rays are traced through; all give the same picture (kdtree, lbvh or brute; curtain).")] = None
     depth: Annotated[int | None, Parameter(help="Generations of rays: through the cloth and mirrored by it (1 to 8; curtain).")] = None

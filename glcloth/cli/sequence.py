@@ -63,6 +63,7 @@ def animate(
     video = sequence.check_sequence(output, chosen.size)
     if video and start:
         raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
+    transform = chosen.transform
     begin = time.perf_counter()
     files = sequence.pose_files(chosen.mesh, frames, start) if "%" in chosen.mesh else None
     if files or chosen.curtain is not None:
@@ -74,12 +75,10 @@ def animate(
             turntable = poses is None and not turn_env
         pictures = sequence.pictures(renderer, chosen, frames, start, poses, turntable, turn_env, min(files or (0,)))
         if video:
-            written = sequence.write_video(pictures, output, rate, chosen.exposure, chosen.view_transform)
+            written = sequence.write_video(pictures, output, rate, chosen.exposure, transform)
         else:
             settings = functools.partial(_header_of_frame, chosen, files, turn_env / frames)
-            written = sequence.write_frames(
-                pictures, str(output), start, settings, chosen.exposure, chosen.view_transform
-            )
+            written = sequence.write_frames(pictures, str(output), start, settings, chosen.exposure, transform)
         for _ in track(written, f"{output}: frames", frames - start):
             pass
     seconds = time.perf_counter() - begin

@@ -110,6 +110,35 @@ class Mesh:
         corners = self.positions[self.triangles].astype(float)
         return float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).mean())
 
+    def moved(self, positions: np.ndarray) -> Mesh:
+        """The same cloth with its vertices elsewhere: normals and yarn frames follow.
+
+        positions : [V, 3] metres, as many and in the order of this mesh's
+
+        Raises InputError for another number of vertices, and for numbers that are not finite.
+        """
+        positions = np.asarray(positions)
+        if positions.shape != self.positions.shape:
+            shape = "x".join(map(str, positions.shape))
+            raise InputError(
+                f"mesh {self.name}: {shape} positions, expected {len(self.positions)}x3, those of its vertices"
+            )
+        positions = positions.astype(np.float32).astype(np.float64)
+        if not (np.abs(positions) <= LARGEST).all():
+            raise InputError(f"mesh {self.name}: positions, expected finite numbers up to {LARGEST:g}")
+        _, place = distinct(self.positions.astype(np.float64))  # what was sewn stays so, what meets is not
+        new = Faces.of(positions, self.triangles)
+        angles = new.angles()
+        N = _vertex_normals(len(positions), place, new, angles, None)
+        sign = self.tangents[:, 3].astype(float)
+        if self.uv is None:
+            tangents = np.column_stack([_fallback_tangents(N, _axis_order(new, N)), sign])
+        else:
+            uv = self.uv.astype(float)
+            weighted = _face_tangents(new, uv, N)[0] * angles[:, None]
+            tangents = _tangents(place, new, N, uv, weighted, sign)
+        return replace(self, positions=positions, normals=N, tangents=tangents)
+
     def edges(self) -> np.ndarray:
         """Return each edge once, [E, 2], the lower vertex first."""
         corners = self.triangles

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -29,12 +29,14 @@ class Ground:
     center : x, z of the middle of the drawn part
     scale : metres; the rings about the middle are scale / (RINGS / 2) apart at it, four times that at `scale` from it
     color : diffuse reflectance, linear Rec. 709
+    catcher : it shows only its shadow, which fades out with the distance
     """
 
     height: float
     center: tuple[float, float]
     scale: float
     color: tuple[float, float, float]
+    catcher: bool = False
 
     @cached_property
     def mesh(self) -> Mesh:
@@ -93,7 +95,7 @@ def load_solids(names: Sequence[str]) -> tuple[Solid, ...]:
 
 
 def arrange(solids: Sequence[Solid], ground: float | str, color, cloth: Mesh) -> Objects:
-    """Objects and ground about a cloth, as a scene says: `ground` is a height, "auto" or "off"."""
+    """Objects and ground about a cloth, as a scene says: `ground` is a height, "auto", "catcher" or "off"."""
     # A cloth far from the origin was moved there, and what stands about it with it.
     whole = [relative_to(solid[0], cloth.origin) for solid in solids]
     cut = [graded(mesh, tuple(cloth.center.tolist()), cloth.radius) for mesh in whole]
@@ -102,8 +104,9 @@ def arrange(solids: Sequence[Solid], ground: float | str, color, cloth: Mesh) ->
     finer = tuple(mesh is not before for mesh, before in zip(meshes, whole, strict=True))
     if ground == "off":
         return Objects(meshes, reflectances, graded=finer)
-    height = None if ground == "auto" else float(ground) - cloth.origin[1]
-    return Objects(meshes, reflectances, stand_on(cloth, meshes, height, color), graded=finer)
+    height = None if ground in ("auto", "catcher") else float(ground) - cloth.origin[1]
+    stands = replace(stand_on(cloth, meshes, height, color), catcher=ground == "catcher")
+    return Objects(meshes, reflectances, stands, graded=finer)
 
 
 def stand_on(cloth: Mesh, meshes: Sequence[Mesh], height: float | None, color) -> Ground:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import threading
+import weakref
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,6 +33,41 @@ class Device:
     version: str
 
 
+_used_by: set[int] = set()  # processes that made a context
+
+
+def check_process() -> None:
+    """Raise InputError in a process that was forked from one that had used OpenGL: there it would hang."""
+    if _used_by and os.getpid() not in _used_by:
+        raise InputError(
+            "this process was forked from one that had used OpenGL, which cannot work in both; start processes by "
+            'multiprocessing.get_context("spawn"), or fork before the first Renderer'
+        )
+
+
+class Owner:
+    """The process and thread that made something on a context, which is current only there."""
+
+    def __init__(self, what: str):
+        self._what, self._process, self._thread = what, os.getpid(), threading.get_ident()
+
+    def check(self) -> None:
+        """Raise InputError anywhere else."""
+        if os.getpid() != self._process:
+            check_process()
+        if threading.get_ident() != self._thread:
+            raise InputError(
+                f"this {self._what} belongs to another thread, as its OpenGL context does; make one in each thread that "
+                "renders, and close it there"
+            )
+
+
+def _free(context: Any, process: int) -> None:
+    """Free a context that nobody holds any more."""
+    if os.getpid() == process:
+        context.release()
+
+
 def create_context(device: int | None = None) -> moderngl.Context:
     """Return a headless OpenGL >= 4.3 context.
 
@@ -41,6 +78,7 @@ def create_context(device: int | None = None) -> moderngl.Context:
     Raises InputError for a device index that does not exist, NoOpenGLError when nothing works: what was tried and
     what to install.
     """
+    check_process()
     tried: list[str] = []
     if device is not None:
         if device < 0:
@@ -115,7 +153,12 @@ def _try(index: int, tried: list[str], what: str | None = None) -> moderngl.Cont
     what = what or f"EGL device {index}"
     try:
         settings: dict[str, Any] = {"backend": "egl", "device_index": index}
-        return moderngl.create_context(require=REQUIRED, standalone=True, **settings)
+        ctx = moderngl.create_context(require=REQUIRED, standalone=True, **settings)
+        _used_by.add(os.getpid())
+        moderngl._store.default_context = None  # where moderngl would keep it for ever
+        # What lives on a context holds it and is held by it, so this happens when Python collects circles.
+        weakref.finalize(ctx, _free, ctx.mglo, os.getpid()).atexit = False
+        return ctx
     except Exception as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         if "device_index" in reason or "requested device" in reason.lower() or "out of range" in reason.lower():

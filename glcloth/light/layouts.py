@@ -82,7 +82,9 @@ def as_equirect(image: np.ndarray, layout: str, where: str) -> np.ndarray:
         raise InputError(f"{where}: layout {layout}: unknown, expected {', '.join(LAYOUTS)}")
     if layout in ("angular", "mirror"):
         if image.shape[0] != image.shape[1]:
-            raise InputError(f"{where}: {image.shape[1]} x {image.shape[0]} pixels, a map of a ball is a square; crop it")
+            raise InputError(
+                f"{where}: {image.shape[1]} x {image.shape[0]} pixels, a map of a ball is a square; crop it"
+            )
         edge = max(image.shape[0] // 2, 2)
         return _resampled(lambda omega: _ball(image, omega, layout), min(edge, TALLEST))
     faces, names = _faces(image, layout, where)

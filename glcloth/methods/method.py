@@ -129,7 +129,12 @@ class Method:
         return {}
 
     def solids_program(self, defines: dict[str, Any]) -> Draw:
-        """Where it `lights_solids`: the program of passes/picture/lambert.frag, for `inputs` and `passes`, with more constants."""
+        """Where it `lights_solids`: the program of passes/picture/lambert.frag, for `inputs` and `passes`, with more
+        constants."""
+        raise NotImplementedError
+
+    def open_irradiance(self) -> np.ndarray:
+        """Where it `lights_solids`: irradiance [3] of a ground that nothing hides from the light."""
         raise NotImplementedError
 
     def radiance(self, shared: SceneBuffers, omega_o: np.ndarray) -> np.ndarray:

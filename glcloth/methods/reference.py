@@ -116,7 +116,7 @@ class Reference(Method):
         self._light = settings.light, source, rotation, min(settings.cube, BOUNCE_CUBE)
         self._bounce_light = partial(self._directions, lights, settings, min(settings.cube, BOUNCE_CUBE))
         self._uploaded.get(
-            lambda: self._upload(self._data, self._directions(lights, settings, settings.cube)),
+            lambda: self._upload_light(self._directions(lights, settings, settings.cube)),
             *(settings.light, source, rotation, settings.cube, settings.shadows, self.bounces),
         )
 
@@ -141,6 +141,14 @@ class Reference(Method):
             # No light comes back from a sun's direction beyond what its texel brings.
             solid_angle = np.concatenate([solid_angle, np.zeros(len(lights.suns))])
         return Directions(omega, flux, solid_angle, cast)
+
+    def _upload_light(self, directions: Directions) -> int:
+        """Upload the directions of the sum; returns how many."""
+        self._open = (np.maximum(directions.omega[:, 1:2], 0.0) * directions.flux).sum(0)
+        return self._upload(self._data, directions)
+
+    def open_irradiance(self) -> np.ndarray:
+        return self._open
 
     def _upload(self, data: TextureBuffer, directions: Directions) -> int:
         """Upload the directions that can bring light; returns how many."""

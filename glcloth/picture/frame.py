@@ -63,6 +63,17 @@ class Frame:
         """The fabric of the first cloth."""
         return self.cloths[0].fabric
 
+    def moved(self, positions: np.ndarray, cloth: int = 0) -> Frame:
+        """The same frame with the vertices of one of its cloths elsewhere, as `Mesh.moved`: camera, lights and objects stay.
+
+        `Renderer.follow_poses` makes the shadows of such frames quicker. Raises InputError as `Mesh.moved`.
+        """
+        if not 0 <= cloth < len(self.cloths):
+            raise InputError(f"cloth {cloth}: this frame has {len(self.cloths)}, counted from 0")
+        cloths = list(self.cloths)
+        cloths[cloth] = replace(cloths[cloth], mesh=cloths[cloth].mesh.moved(positions))
+        return replace(self, cloths=tuple(cloths))
+
     def with_cloth(self, **changes: Any) -> Frame:
         """The same frame with another mesh or fabric for its first cloth."""
         return replace(self, cloths=(replace(self.cloths[0], **changes), *self.cloths[1:]))

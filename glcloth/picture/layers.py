@@ -59,6 +59,10 @@ class Layers(dict):
         super().__init__()
         self.names: dict[str, list[str]] = {}
 
+    def _repr_png_(self) -> bytes | None:
+        """The picture itself, in a notebook."""
+        return self["beauty"]._repr_png_()
+
     def channels(self) -> dict[str, np.ndarray]:
         """All but the beauty by the names of channels in an EXR file, [H, W] each."""
         out: dict[str, np.ndarray] = {}
@@ -100,7 +104,7 @@ class Gathering:
         """Take sample `number` of all pixels."""
         cloths = len(self.frame.cloths)
         for place, surface in enumerate(surfaces):
-            seen = _seen(target.part(surface).buffer)
+            seen = _seen(target.part(surface).buffer, surface.shown_triangles)
             if not len(seen.rows):
                 continue
             mesh = surface.mesh
@@ -170,14 +174,18 @@ class _Seen:
         self.weights = np.concatenate([1.0 - b.sum(1, keepdims=True), b], 1)
 
 
-def _seen(buffer: GBuffer) -> _Seen:
+def _seen(buffer: GBuffer, triangles: int) -> _Seen:
+    """The pixels that see one of the first `triangles`."""
     width, height = buffer.size
 
     def read(name: str) -> np.ndarray:
         texture = buffer.frame(name)
         return np.frombuffer(texture.read(), "f4").reshape(height, width, texture.components)[::-1]
 
-    return _Seen(read("frame_N"), read("frame_p"), read("frame_b"))
+    N, p = read("frame_N"), read("frame_p")
+    if (p[..., 3] >= triangles).any():
+        N = np.where(p[..., 3:] < triangles, N, 0.0)
+    return _Seen(N, p, read("frame_b"))
 
 
 def _interpolated(values: np.ndarray | None, corners: np.ndarray, weights: np.ndarray) -> np.ndarray:

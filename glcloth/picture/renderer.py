@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -13,8 +14,9 @@ import numpy as np
 from ..errors import InputError
 from ..fabric import Fabric
 from ..geometry.camera import Camera, lens_samples, sample_offsets
-from ..gpu.context import check_errors, create_context
+from ..gpu.context import Owner, check_errors, create_context
 from ..gpu.gbuffer import GBuffer
+from ..image import as_picture
 from ..light.environment import Environment
 from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..methods.method import Method
@@ -46,6 +48,7 @@ class Renderer:
 
     def __init__(self, device: int | None = None, ctx: moderngl.Context | None = None):
         self._owns_context = ctx is None
+        self._owner = Owner("Renderer")
         self.ctx = create_context(device) if ctx is None else ctx
         self.stage = Stage(self.ctx)
         self._frames = Frames()
@@ -61,8 +64,18 @@ class Renderer:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def _check(self) -> None:
+        """Raise InputError where this renderer cannot work: closed, in another thread, in a forked process."""
+        self._owner.check()
+        if self.ctx is None:
+            raise InputError(
+                "this Renderer is closed; make another, or do its work before close() or the end of `with`"
+            )
+
     def close(self) -> None:
-        """Free the context and all that lives on it."""
+        """Free the context and all that lives on it. Raises InputError in another thread."""
+        if self.ctx is not None:
+            self._owner.check()
         if self._show is not None and self.ctx is not None:
             self._show.release()
         self._show = self._last = None
@@ -71,10 +84,17 @@ class Renderer:
             self.ctx.release()
         self.ctx = None  # type: ignore[assignment]
 
+    def __del__(self) -> None:
+        # One that is dropped without `close`: what lives on the context holds it, and goes when Python collects circles.
+        if self.__dict__.get("_owns_context") and self.__dict__.get("ctx") is not None and not sys.is_finalizing():
+            self.__dict__.clear()
+            gc.collect()
+
     # -- pictures ----------------------------------------------------------------------------------------------------
 
     def prepare(self, scene: Scene | str | None = None, **changes: Any) -> Frame:
         """Read the files of a scene and fit its lights. Parameters as for `render`."""
+        self._check()
         return self._frames.make(scene, **changes)
 
     def render(self, scene: Scene | str | None = None, *, aovs: str | Iterable[str] = (), **changes: Any) -> Any:
@@ -93,8 +113,8 @@ class Renderer:
             mask, cryptomatte; see docs/layers.md
         any other keyword : a field of Scene, for example method="reference", size=(320, 240), spp=4
 
-        Returns float32 [H, W, 3], linear Rec. 709, top row first; [H, W, 4] with premultiplied alpha when the
-        background is off; with `aovs` a picture.layers.Layers, a dict of such arrays, the picture as "beauty". Raises
+        Returns an image.Picture: float32 [H, W, 3], linear Rec. 709, top row first; [H, W, 4] with premultiplied alpha when
+        the background is off; with `aovs` a picture.layers.Layers, a dict of such arrays, the picture as "beauty". Raises
         InputError for wrong input, and what the methods raise.
         """
         scene = Scene() if scene is None else load_scene(scene)
@@ -102,11 +122,12 @@ class Renderer:
         if scene.curtain is not None:
             if names:
                 raise InputError("aovs: layers are of cloth under an environment; the curtain has its picture alone")
-            picture = self.show(scene, **changes).picture()
+            show = self.show(scene, **changes)
+            picture = show.picture()
             check_errors(self.ctx, "curtain")
-            return picture
+            return as_picture(picture, show.scene)
         frame = self.prepare(scene, **changes)
-        return self.render_layers(frame, names) if names else self.render_frame(frame)
+        return self.render_layers(frame, names) if names else as_picture(self.render_frame(frame), frame.scene)
 
     def render_layers(self, frame: Frame, names: Sequence[str]) -> Layers:
         """Draw a prepared frame with its layers, all pixels shaded; result as for `render` with `aovs`."""
@@ -117,7 +138,7 @@ class Renderer:
         for _ in self.steps(frame, announce=f"{frame.scene.method}: passes over the picture", gathering=gathering):
             pass
         picture = self.target.read()
-        return gathering.result(picture[..., :3] if frame.scene.background else picture)
+        return gathering.result(as_picture(picture[..., :3] if frame.scene.background else picture, frame.scene))
 
     def show(
         self,
@@ -130,6 +151,8 @@ class Renderer:
         """The curtain of a scene as it hangs at its frame: its picture, layers and tree. It is this renderer's, and another
         call may change it. Parameters as for `render`, without mesh, objects and lights. Raises InputError."""
         from ..curtain.show import show_at_its_frame  # cloth starts without it
+
+        self._check()
 
         if isinstance(environment, str):
             changes["env"], environment = environment, None
@@ -180,10 +203,12 @@ class Renderer:
         """Draw a frame in steps, for a caller with other things to do in between; together they do what `draw` does,
         bit for bit. Nothing else may be drawn with this renderer before the last step or the iterator's end.
 
-        Parameters: as for Pace, and `gathering` of layers; where it is a `preview`, `trace_visibility` makes the shadows complete.
+        Parameters: as for Pace, and `gathering` of layers; where it is a `preview`, `trace_visibility` makes the shadows
+        complete.
 
         Yields (passes finished, passes in all) after each step; the background follows the last one.
         """
+        self._check()
         check_stopped()
         pace = Pace(rows, preview, announce)
         target = self._targets.get(frame.scene.size, gathering is not None)
@@ -279,6 +304,7 @@ class Renderer:
 
         Yields how many directions are traced.
         """
+        self._check()
         self.stage.take(frame)
         yield from self.stage.trace(count, enough)
 
@@ -303,10 +329,12 @@ class Renderer:
 
     def covered_pixels(self) -> int:
         """How many pixels of the last draw see cloth."""
+        self._check()
         return sum(int(self.target.part(cloth).buffer.covered().sum()) for cloth in self.stage.cloths_in_frame)
 
     def method(self, name: MethodName) -> Method:
         """The method of a name, as the first cloth has it; made at first use."""
+        self._check()
         return self.stage.cloths[0].named_method(name)
 
     # -- radiance ----------------------------------------------------------------------------------------------------
@@ -334,6 +362,7 @@ class Renderer:
         Returns float32 [N, 3], linear, or [N, T, 3] in `parts`; 0 where omega_o is below the surface. Raises InputError
         for wrong input.
         """
+        self._check()
         omega_o = np.atleast_2d(np.asarray(omega_o, np.float32))
         if (
             omega_o.ndim != 2

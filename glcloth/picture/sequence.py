@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..color import view
+from ..color import Transform, view
 from ..errors import InputError
 from ..files import atomic_write, check_writable
 from ..geometry.camera import Camera
@@ -156,7 +156,7 @@ def write_frames(
     start: int,
     settings: dict | Callable[[int], dict],
     exposure: float,
-    transform: str,
+    transform: Transform,
 ):
     """Write numbered pictures, each whole or not at all, with their settings (or a function of the frame's number);
     yields after each, so that the caller can show progress."""
@@ -167,7 +167,7 @@ def write_frames(
         yield path
 
 
-def write_video(pictures: Iterable[np.ndarray], path: Path, rate: int, exposure: float, transform: str):
+def write_video(pictures: Iterable[np.ndarray], path: Path, rate: int, exposure: float, transform: Transform):
     """Write an H.264 video, whole or not at all; yields after each frame."""
     import av
 

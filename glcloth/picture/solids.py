@@ -7,6 +7,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
+from ..color import luminance
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..geometry.props import Objects
@@ -14,6 +15,7 @@ from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Draw, programs
+from ..twins.lambert import gaussian_irradiance
 from ..visibility.hit_vertices import HitSurface
 from ..visibility.irradiance import irradiance_table
 from ..visibility.pixels import PixelView
@@ -23,6 +25,7 @@ from .cloth import ClothSurface
 from .frame import Frame
 from .surface import Surface
 
+FADE = 1.5, 4.0  # of its scale: from where to where the shadow on a ground fades out that shows nothing else
 NEAREST = 0.3  # of the eye's height above the ground: nothing of the ground is nearer to the eye
 EDGE_OFFSET = 0.05  # of a mesh's mean edge: how far rays that light a vertex start from it,
 GROUND_OFFSET = 2e-4  # of its scale: from the ground, where nothing is curved
@@ -43,6 +46,7 @@ class Solids(Surface):
         self._vertex_reflectances: Last[np.ndarray] = Last()
         self._reflectance_data = TextureBuffer(ctx, 16)
         self._colors: Last[None] = Last()
+        self._open_irradiance: Last[np.ndarray] = Last()
 
     def prepare(self, frame: Frame, lit_by: ClothSurface) -> None:
         """Take other objects or lights; cheap when they are the same, or differ in colour only.
@@ -117,6 +121,10 @@ class Solids(Surface):
             ranges.append((NEAREST * height, 1.01 * float(np.hypot(across + ground.radii[-1], height))))
         return min(near for near, _ in ranges), max(far for _, far in ranges)
 
+    @property
+    def shown_triangles(self) -> int:
+        return self.hiding if self.catches else len(self.mesh.triangles)
+
     def albedo_at(self, triangles: np.ndarray) -> np.ndarray:
         return self.triangle_reflectances()[triangles, :3]
 
@@ -126,6 +134,8 @@ class Solids(Surface):
             before = sum(name.split(".")[0] == mesh.name for name in names)
             names.append(f"{mesh.name}.{before + 1}" if before else mesh.name)
         counts = [len(mesh.triangles) * share for mesh, share in zip(self.objects.meshes, self._shares, strict=True)]
+        if self.catches:  # a thing of the picture behind it
+            return [(end, name, name) for end, name in zip(np.cumsum(counts).tolist(), names, strict=True)]
         ends = [*np.cumsum(counts).tolist(), len(self.mesh.triangles)]
         return [(end, name, name) for end, name in zip(ends, [*names, "ground"], strict=True)]
 
@@ -137,12 +147,43 @@ class Solids(Surface):
         if number >= self.pass_count:
             return
         method = self._lit_by.method
+        defines = {**buffer.defines(), **({"CATCHER": 1} if self.catches else {})}
         if method.lights_solids:
-            program, light = method.solids_program(buffer.defines()), {**method.inputs(), **self._lit_by.passes[number]}
+            program, light = method.solids_program(defines), {**method.inputs(), **self._lit_by.passes[number]}
         else:
-            program, light = self._program_of_means(buffer.defines()), self._means(view)
-        share = {"pass_weight": weight, "pass_cover": weight / self.pass_count}
+            program, light = self._program_of_means(defines), self._means(view)
+        share = {"pass_weight": weight, "pass_cover": weight / self.pass_count, **self._catcher()}
         buffer.shade(program, light, {"reflectance_data": self._reflectance_data}, share, add=add, rows=rows)
+
+    @property
+    def catches(self) -> bool:
+        """Whether of the ground only the shadow is seen."""
+        return self.objects.ground is not None and self.objects.ground.catcher
+
+    def _catcher(self) -> dict[str, Any]:
+        """What passes/picture/lambert.frag reads for a ground that shows its shadow alone."""
+        if not self.catches:
+            return {}
+        ground = self.objects.ground
+        assert ground is not None
+        method = self._lit_by.method
+        E = (
+            method.open_irradiance()
+            if method.lights_solids
+            else self._open_irradiance.get(self._sum_open, self._lights)
+        )
+        return {
+            "first_catching": self.hiding,
+            "catcher_middle": ground.center,
+            "catcher_fade": tuple(share * ground.scale for share in FADE),
+            "open_luminance": max(float(luminance(E)), 1e-30),
+        }
+
+    def _sum_open(self) -> np.ndarray:
+        """Irradiance [3] of a ground from all lights."""
+        gaussians, suns = self._lights.gaussians, self._lights.suns
+        E = (gaussian_irradiance(gaussians.sharpness, gaussians.axis[:, 1])[:, None] * gaussians.amplitude).sum(0)
+        return E + (np.maximum(suns.direction[:, 1:2], 0.0) * suns.irradiance).sum(0)
 
     def _program_of_means(self, defines: dict[str, int]) -> Draw:
         virtual = {"lit.glsl": "inputs/visibility/lit_means.glsl"}

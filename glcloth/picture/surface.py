@@ -69,6 +69,11 @@ class Surface(ABC):
         """How much of the light that comes evenly from everywhere goes back: [3], or [V, 4] of each vertex; the same
         array while nothing changes."""
 
+    @property
+    def shown_triangles(self) -> int:
+        """How many triangles, from the first, are things of the picture: not those of a ground that shows its shadow alone."""
+        return len(self.mesh.triangles)
+
     def albedo_at(self, triangles: np.ndarray) -> np.ndarray:
         """The share of even light [3] or [N, 3] that goes back where triangles [N] are seen."""
         return np.asarray(self.reflectance)[:3]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+from itertools import count
+
 import glfw
 import numpy as np
 
@@ -15,6 +18,11 @@ from .layout import Layout
 from .messages import Messages
 from .state import Session
 from .tree_window import TreeWindow
+
+
+def free_name(names: Container[str]) -> str:
+    """The first number that is none of the names."""
+    return next(str(n) for n in count(1) if str(n) not in names)
 
 
 class Actions:
@@ -114,6 +122,28 @@ class Actions:
     def home(self) -> None:
         """The view that the scene comes with."""
         self.session.look(View())
+
+    def choose_view(self, name: str) -> None:
+        """Look from where a view by name does. Raises InputError for one that is unknown here."""
+        view = View(view=name)
+        self._drawing.drawer.camera(self.session.shown.model_copy(update={"camera": view}))
+        self.session.look(view)
+
+    def keep_bookmark(self, name: str = "") -> None:
+        """Keep the present camera in the scene, under the first free number where no name is given."""
+        shown = self.session.shown
+        name = name or free_name([one.name for one in shown.bookmarks])
+        self.session.edit_shown(bookmarks=shown.with_bookmark(name, View.of(self.camera)))
+        self.note(f"bookmark {name}: this view")
+
+    def go_to_bookmark(self, name: str) -> None:
+        """Look as a bookmark does; without one of this name nothing happens."""
+        if (view := self.session.shown.bookmark(name)) is not None:
+            self.session.look(view)
+
+    def drop_bookmark(self, name: str) -> None:
+        """Take a bookmark out of the scene."""
+        self.session.edit_shown(bookmarks=self.session.shown.with_bookmark(name, None))
 
     def frame_mesh(self) -> None:
         """All of the cloth into the picture, from where the eye looks."""

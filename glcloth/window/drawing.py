@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..color import Transform
 from ..errors import InputError, ShaderError
+from ..gpu.memo import Last
 from ..gpu.programs import recompiled
+from ..scene import Scene
 from .clock import Clock, now
 from .curtain import Player
 from .host import Host
@@ -31,6 +34,7 @@ class Drawing:
         self.document: Document | None = None  # the one being drawn
         self.pending = True  # something that it needs is still being made
         self._screen = Screen(self.ctx)
+        self._transforms: Last[Transform] = Last()
         self._go_to: int | None = None  # a frame of the curtain
         self._tree_shows: tuple | None = None
 
@@ -193,10 +197,22 @@ class Drawing:
     def paint(self, rectangle: Rectangle) -> None:
         """Put the picture into a rectangle of the window."""
         document, shown = self.session.document, self.session.shown
-        look = Look(shown.exposure, shown.view_transform, getattr(shown, "background", True))
+        look = Look(shown.exposure, self._transform(shown), getattr(shown, "background", True))
         self._screen.draw(
             self.drawer.sides, look, rectangle, document.compare, document.split, document.difference_scale
         )
+
+    def _transform(self, shown: Scene) -> Transform:
+        """The view transform of a scene; where its config cannot be used, our own, and a message."""
+        key = shown.ocio, shown.display, shown.ocio_view, shown.view_transform
+        return self._transforms.get(lambda: self._checked(shown), *key)
+
+    def _checked(self, shown: Scene) -> Transform:
+        try:
+            return shown.transform
+        except InputError as error:
+            self.messages.error(str(error))
+            return shown.view_transform
 
     def reload_shaders(self) -> None:
         """Take the shaders as they are now; when they do not compile, keep the old ones and say why."""

@@ -131,7 +131,7 @@ class Files:
         if panels:
             write_image(path, srgb_decode(self.actions.screen() / 255.0), settings)
         else:
-            look = {"exposure": scene.exposure, "view_transform": scene.view_transform}
+            look = {"exposure": scene.exposure, "view_transform": scene.transform}
             write_image(path, self.actions.picture(), settings, **look)
         touched = scene.curtain is not None and self.actions.player.touched
         warning = "; wind or cloth changed while it moved: opened again it hangs otherwise" if touched else ""

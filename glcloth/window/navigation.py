@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from imgui_bundle import imgui  # isort: skip
 import glfw
@@ -90,7 +91,9 @@ class Navigation:
     def _with_control(self, shift: bool) -> tuple[dict[str | int, Callable], dict[str | int, Callable]]:
         session, files = self.session, self.files
         save = lambda: files.save_scene(files.names["scene"])  # noqa: E731
-        return {"z": session.redo if shift else session.undo, "y": session.redo}, {"s": save, "o": files.choose}
+        keep = {str(n): partial(self.actions.keep_bookmark, str(n)) for n in range(1, 10)}
+        undo = {"z": session.redo if shift else session.undo, "y": session.redo}
+        return undo, {"s": save, "o": files.choose, **keep}
 
     def _plain(self) -> tuple[dict[str | int, Callable], dict[str | int, Callable]]:
         actions, session = self.actions, self.session
@@ -99,6 +102,7 @@ class Navigation:
             "f": actions.frame_mesh,
             glfw.KEY_HOME: actions.home,
             glfw.KEY_TAB: actions.layout.toggle_panels,
+            **{str(n): partial(actions.go_to_bookmark, str(n)) for n in range(1, 10)},
         }
         if session.in_curtain:
             return {glfw.KEY_RIGHT: actions.player.step}, {

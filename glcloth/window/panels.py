@@ -14,6 +14,7 @@ from ..light.environment import BUILT_IN_NAMES
 from ..light.fit import FABRICS
 from ..scene import Scene
 from .actions import Actions
+from .camera_panel import CameraPanel
 from .controls import Control, controls, scene_controls
 from .curtain_panel import CurtainPanel
 from .dialogs import available
@@ -37,6 +38,7 @@ class Panels(Panel):
         super().__init__(actions)
         self.files = files
         self.fabric, self.curtain = FabricPanel(actions), CurtainPanel(actions)
+        self.camera = CameraPanel(actions)
         self.open_path = ""
         self.with_panels = False
 
@@ -70,6 +72,7 @@ class Panels(Panel):
             ("Fabric", self.fabric.draw, opened),
             ("Light", self._light, opened),
             ("View", self._view, 0),
+            ("Camera", self.camera.draw, 0),
             ("Compare A and B", self._compare, 0),
             ("Files", self._files, 0),
             ("Keys and mouse", self._keys, 0),
@@ -113,6 +116,12 @@ class Panels(Panel):
         tip("a matt plane under the cloth and the objects")
         if changed:
             self.attempt(session.edit_scene, ground="auto" if on else "off")
+        if scene.ground in ("auto", "catcher"):
+            imgui.same_line()
+            changed, only = imgui.checkbox("only its shadow", scene.ground == "catcher")
+            tip("of the ground only the shadow is seen, before the environment")
+            if changed:
+                self.attempt(session.edit_scene, ground="catcher" if only else "auto")
         imgui.same_line()
         if imgui.button("Object"):
             self.files.choose_object(str(Path(self.open_path.strip()).expanduser()) if self.open_path.strip() else "")
@@ -326,6 +335,7 @@ KEYS = (
     ("F", "frame the cloth"),
     ("Home", "the first view"),
     ("B", "background on or off"),
+    ("Ctrl+1..9, 1..9", "keep this view, go to it"),
     ("Tab", "panels on or off"),
     ("Ctrl+Z", "undo"),
     ("Ctrl+Shift+Z, Ctrl+Y", "redo"),

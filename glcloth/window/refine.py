@@ -34,7 +34,7 @@ LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # by how much a preview is smaller
 HALF_FROM = 0.8  # seconds of full size from which something quicker comes first
 SLICE = 0.016  # seconds of work that is not split further, between two looks
 COPY = "passes/window/refine.frag"
-NOT_LIGHT = ("exposure", "view_transform")  # how a picture is shown
+NOT_LIGHT = ("exposure", "view_transform", "ocio", "display", "ocio_view", "bookmarks")  # how a picture is shown
 
 
 class Refiner(Slices):

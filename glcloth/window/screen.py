@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Literal, NamedTuple
 
 import moderngl
+import numpy as np
 from OpenGL import GL
 
-from ..color import VIEW_TRANSFORMS
+from ..color import VIEW_TRANSFORMS, Transform
 from ..gpu.memo import Last
 from ..gpu.programs import Draw, programs
 from ..gpu.screen import draw_screen
@@ -20,7 +21,7 @@ class Look(NamedTuple):
     """How a linear picture is shown. `opaque`: something is behind the cloth everywhere."""
 
     exposure: float = 0.0
-    view_transform: str = "standard"
+    view_transform: Transform = "standard"
     opaque: bool = True
 
 
@@ -31,6 +32,8 @@ class Screen:
         self.ctx = ctx
         self._codes = Targets(ctx, "f1")
         self._drawn: tuple[Last, Last] = Last(), Last()
+        self._table: Last[None] = Last()
+        self._lut = _table(ctx, np.zeros((1, 1, 1, 3), np.float32))
 
     def compiled(self) -> Draw:
         """The program. Raises ShaderError."""
@@ -77,7 +80,8 @@ class Screen:
                 picture_b=textures[-1],
                 extent=(float(size[0]), float(size[1])),
                 exposure=look.exposure,
-                view_transform=list(VIEW_TRANSFORMS).index(look.view_transform),
+                view_transform=self._number(look.view_transform),
+                config_view=self._lut,
                 difference_scale=difference_scale,
                 opaque=look.opaque,
             )
@@ -85,9 +89,29 @@ class Screen:
                 texture.filter = moderngl.LINEAR, moderngl.LINEAR
         return code
 
+    def _number(self, transform: Transform) -> int:
+        """The number of a view transform in the shader; that of a config is read from a table."""
+        if isinstance(transform, str):
+            return list(VIEW_TRANSFORMS).index(transform)
+        self._table.get(lambda: self._take(transform.lut), transform)  # type: ignore[union-attr]
+        return len(VIEW_TRANSFORMS)
+
+    def _take(self, lut: np.ndarray) -> None:
+        self._lut.release()
+        self._lut = _table(self.ctx, lut)
+
     def release(self) -> None:
         """Free the textures."""
+        self._lut.release()
         self._codes.release()
+
+
+def _table(ctx: moderngl.Context, lut: np.ndarray) -> moderngl.Texture3D:
+    """A texture of a table [blue, green, red, 3]."""
+    texture = ctx.texture3d(lut.shape[2::-1], 3, np.ascontiguousarray(lut), dtype="f4")
+    texture.filter = moderngl.LINEAR, moderngl.LINEAR
+    texture.repeat_x = texture.repeat_y = texture.repeat_z = False
+    return texture
 
 
 def _blit(code: Target, screen: moderngl.Framebuffer, rectangle: Rectangle, begin: float, end: float) -> None:

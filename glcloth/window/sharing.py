@@ -82,6 +82,8 @@ def as_python(scene: Scene, output: str = "picture.png", frame: int = 0) -> str:
         for name in ("exposure", "view_transform")
         if getattr(scene, name) != Scene.model_fields[name].default
     )
+    if not isinstance(scene.transform, str):
+        look = f", exposure={scene.exposure!r}, view_transform=scene.transform"
     return (
         "import glcloth\n\n"
         f"scene = glcloth.Scene.model_validate({literal})\n"

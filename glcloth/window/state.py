@@ -22,8 +22,12 @@ SHARED = (
     "size",
     "exposure",
     "view_transform",
+    "ocio",
+    "display",
+    "ocio_view",
     "background",
     "camera",
+    "bookmarks",
 )
 # Fields that B of the curtain has of its own: it is the same curtain, at the same moment, in the same light.
 OWN = ("fabric", "accelerator", "depth", "spread")

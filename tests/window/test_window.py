@@ -52,6 +52,7 @@ def test_the_refined_picture_is_renders_to_the_bit(done):
 
 def test_mouse_and_keys_do_what_they_should(done):
     assert done["orbited"] and done["zoomed"] and done["home"] and done["home_picture"]
+    assert done["bookmark"] == [True] * 4 and done["view"] == [-1, 0, 0] and done["parallel"] == 1.5
     assert done["turned"] == -56.25 and done["undone"] == 0.0 and done["redone"] == done["turned"]
     assert done["follow"] and done["size"] == [120, 96] and done["screen"] == [96, 520, 3]
 

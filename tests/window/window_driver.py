@@ -18,6 +18,7 @@ import sys
 import tempfile
 import threading
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import glfw
@@ -116,6 +117,21 @@ def events(folder):
     out["redone"] = app.session.scene.env_rotate
     app.session.undo()
     settle(app)
+    # A bookmark: kept, gone to, and a step of undo.
+    during(app, ["key", "ctrl+2"])
+    app.actions.zoom(1.3)
+    away = distance(app)
+    during(app, ["key", "2"])
+    kept = app.session.scene.bookmark("2")
+    out["bookmark"] = [away > 1.05 * far, bool(app.actions.camera == home), kept is not None and kept.eye == home.eye]
+    app.actions.choose_view("side")
+    settle(app)
+    out["view"] = app.actions.camera.axes[2].round(6).tolist()
+    app.actions.look(replace(app.actions.camera, ortho=1.5, aperture=0.1, focus=2.0))
+    settle(app)
+    out["parallel"] = app.actions.camera.ortho
+    during(app, ["key", "ctrl+z"], ["key", "Home"])
+    out["bookmark"].append(app.session.scene.bookmarks == ())
     # Files: a bad one leaves everything as it was.
     (folder / "bad.hdr").write_bytes(b"nothing")
     before = app.session.document

@@ -1,7 +1,10 @@
-// Parts of a pixel's light that the layers of a picture keep apart, beside the whole: of programs with PARTS. What adds light
-// of a kind says so here; 0 is none.
+// Parts of a pixel's light that are wanted by themselves: for the layers of a picture, of programs with PARTS, and for a ground
+// that shows its shadow alone, of programs with CATCHER. What adds light of a kind says so here; 0 is none.
 vec3 L_bounce = vec3(0.0);   // came back from a surface, of `L_o` or of `irradiance`
 vec3 L_through = vec3(0.0);  // came through cloth, likewise
 bool came_back = false;      // whether the last flux of "along.glsl" did
+vec3 E_hidden = vec3(0.0);   // irradiance that something hides, of `irradiance`
+#ifdef PARTS
 layout(location = 1) out vec4 bounce_color;
 layout(location = 2) out vec4 through_color;
+#endif

@@ -6,13 +6,13 @@
 
 // `direction.w` is 1 where a ray decides; `light` is flux and solid angle.
 vec3 flux_along(vec3 origin, vec4 direction, vec4 light) {
-#ifdef PARTS
+#if defined(PARTS) || defined(CATCHER)
     came_back = false;
 #endif
     if (direction.w == 0.0) return light.rgb;
     Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
     traverse(make_ray(origin, direction.xyz, 0.0, 3e38), visit);
-#ifdef PARTS
+#if defined(PARTS) || defined(CATCHER)
     came_back = visit.triangle != NO_TRIANGLE;
 #endif
     return visit.triangle == NO_TRIANGLE ? light.rgb : light.a * bounced(visit, origin, direction.xyz);

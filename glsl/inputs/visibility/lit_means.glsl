@@ -22,6 +22,16 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         Sun sun = fetch_sun(s);
         E += sun.E * (V_number(pixel, sun_number + s) * max(dot(N, sun.omega), 0.0));
     }
+#ifdef CATCHER
+    for (int k = 0; k < gaussian_count; ++k) {
+        Gaussian light = fetch_gaussian(k);
+        E_hidden += light.L * ((1.0 - V_number(pixel, 1 + k)) * gaussian_irradiance(k, dot(N, light.xi)));
+    }
+    for (int s = 0; s < sun_count; ++s) {
+        Sun sun = fetch_sun(s);
+        E_hidden += sun.E * ((1.0 - V_number(pixel, sun_number + s)) * max(dot(N, sun.omega), 0.0));
+    }
+#endif
     if (bounces) E += PI * texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb;
 #ifdef PARTS
     if (bounces) L_bounce = PI * texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb;

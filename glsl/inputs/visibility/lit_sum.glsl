@@ -17,6 +17,9 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
 #ifdef PARTS
         if (came_back) L_bounce += cos_theta * flux;
 #endif
+#ifdef CATCHER
+        if (came_back) E_hidden += cos_theta * texelFetch(direction_data, 2 * d + 1).rgb;
+#endif
     }
     return E;
 }

@@ -5,8 +5,9 @@ uniform sampler2D picture_a;
 uniform sampler2D picture_b;
 uniform vec2 extent;            // size of the result, pixels
 uniform float exposure;         // stops
-uniform int view_transform;     // 0 standard, 1 filmic, 2 neutral, 3 agx
+uniform int view_transform;     // 0 standard, 1 filmic, 2 neutral, 3 agx, 4 a table
 uniform float difference_scale; // above 0: show |A - B| times this
+uniform sampler3D config_view;   // of a config of OpenColorIO: glcloth/ocio.py `lut`
 uniform bool opaque;            // the environment is behind the cloth
 out vec4 color;
 
@@ -46,6 +47,11 @@ vec3 view(vec3 linear) {
     if (view_transform == 1) return srgb_encode(hable(2.0 * c) / hable(vec3(11.2)));
     if (view_transform == 2) return srgb_encode(neutral(c));
     if (view_transform == 3) return agx(c);
+    if (view_transform == 4) {
+        float edge = float(textureSize(config_view, 0).x);
+        vec3 at = clamp((log2(max(c, vec3(exp2(-14.0)))) + 14.0) / 24.0, 0.0, 1.0);
+        return textureLod(config_view, (at * (edge - 1.0) + 0.5) / edge, 0.0).rgb;
+    }
     return srgb_encode(c);
 }
 
