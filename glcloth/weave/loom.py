@@ -85,7 +85,8 @@ class Loom:
             for system, count in counts.items()
             for what in ("spacing", "thickness", "colors")
         }
-        return Draft(drawdown, **threads, title=like.title)
+        cut = None if like.cut is None else _cyclic(_cyclic(like.cut, counts["weft"]).T, counts["warp"]).T
+        return Draft(drawdown, **threads, cut=cut, title=like.title)
 
 
 def _in_order(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

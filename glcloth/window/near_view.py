@@ -6,14 +6,12 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import moderngl
-import numpy as np
 
-from ..geometry.camera import Camera
-from ..geometry.mesh import Mesh
 from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
 from ..picture.frame import Frame
+from ..picture.patch import patch, patch_camera
 from ..picture.renderer import Renderer
 from .clock import now
 from .pictures import Side, Targets
@@ -22,8 +20,6 @@ from .slices import BUDGET
 
 WIDE = 0.02  # metres of cloth that the view is wide
 SIZE = 376, 188  # pixels
-FOV_DEG = 20.0
-LEAN_DEG = 25.0  # from above the cloth: a little from the side shows how its yarns rise and dive
 SAMPLES = 4
 SMALLER = 3  # by how much the first answer is smaller
 WARM_UP = 2.5, 5.0, 10.0, 25.0  # degrees, widths of lobes with few and many tangents
@@ -38,7 +34,7 @@ class NearView:
         self.renderer = Renderer(ctx=ctx)
         self.side = Side()
         self.answer_ms = 0.0  # from the last edit to its first picture
-        self._mesh, self._camera = _patch(), _camera()
+        self._mesh, self._camera = patch(2.0 * WIDE), patch_camera(WIDE, self.aspect)
         self._targets, self._screen = Targets(ctx), Screen(ctx)
         self._frame: Frame | None = None
         self._shown: Last[None] = Last()
@@ -166,22 +162,3 @@ class NearView:
         self._targets.release()
         self._screen.release()
         self.side = Side()
-
-
-def _patch(half: float = 2.0 * WIDE) -> Mesh:
-    """A flat patch that faces +Z and lies as drafts are drawn: ends from left to right, picks from the top."""
-    x, y = half * np.array([-1.0, 1.0, 1.0, -1.0]), half * np.array([-1.0, -1.0, 1.0, 1.0])
-    return Mesh(
-        "patch",
-        np.column_stack([x, y, np.zeros(4)]),
-        np.array([[0, 1, 2], [0, 2, 3]]),
-        np.tile([0.0, 0.0, 1.0], (4, 1)),
-        np.column_stack([half - y, half + x]),
-        np.tile([0.0, -1.0, 0.0, 1.0], (4, 1)),
-    )
-
-
-def _camera() -> Camera:
-    distance = 0.5 * WIDE * SIZE[1] / SIZE[0] / np.tan(np.radians(FOV_DEG / 2))
-    lean = np.radians(LEAN_DEG)
-    return Camera((0.0, -distance * np.sin(lean), distance * np.cos(lean)), (0.0, 0.0, 0.0), fov_deg=FOV_DEG)
