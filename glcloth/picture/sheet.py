@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from ..color import srgb_decode
+from ..color import luminance, srgb_decode
 from ..fabric import Fabric, load_fabric
 from ..image import write_image
 from ..progress import track
@@ -21,13 +21,14 @@ FAR, NEAR = (208, 156), (156, 156)  # pixels
 WIDE = 0.02  # metres of cloth that the near picture is wide
 LABEL, MARGIN = 36, 10  # pixels
 PAPER, INK, FAINT = 0.16, 0.92, 0.62  # of the screen's white
+BRIGHTEST = 0.4  # mean luminance of a near picture
 ROOM = 60  # letters of a line of text
 
 
 def fabric_sheet(path: str | Path, fabrics: Sequence[str], device: int | None = None) -> None:
     """Render `fabrics` and write them in rows of four: draped, and two centimetres of each with its threads.
 
-    The plainest and finest weaves come first, fabrics without a weave last. Raises InputError if it cannot be written.
+    Near pictures are darkened where they would be overexposed: a satin may mirror the lamp. The plainest and finest weaves come first, fabrics without a weave last. Raises InputError if it cannot be written.
     """
     known = sorted(((name, load_fabric(name)) for name in fabrics), key=lambda one: _order(*one))
     mesh, camera = patch(2.0 * WIDE), patch_camera(WIDE, NEAR[0] / NEAR[1])
@@ -38,6 +39,7 @@ def fabric_sheet(path: str | Path, fabrics: Sequence[str], device: int | None = 
             near = renderer.render(
                 fabric=fabric, mesh=mesh, camera=camera, size=NEAR, threads=True, shadows="off", spp=4
             )[..., :3]
+            near *= min(1.0, BRIGHTEST / max(float(luminance(near).mean()), 1e-6))
             pictures = np.concatenate([far, near], 1)
             cells.append(np.pad(np.concatenate([pictures, _label(name, fabric)]), _MARGINS, constant_values=_LINEAR))
     blank = np.full_like(cells[0], _LINEAR)
@@ -65,7 +67,7 @@ def _label(name: str, fabric: Fabric) -> np.ndarray:
     strip = Image.new("L", (FAR[0] + NEAR[0], LABEL), round(255 * PAPER))
     draw = ImageDraw.Draw(strip)
     weave = fabric.weave
-    sett = "" if weave is None else f"{weave.drafted.title}, {weave.ends_per_cm:.4g} x {weave.picks_per_cm:.4g} a cm"
+    sett = "" if weave is None else f"{weave.drafted.title}, {weave.ends_per_cm:.3g} x {weave.picks_per_cm:.3g} a cm"
     for text, size, y, ink in ((name, 14, 2, INK), (f"{fabric.name}; {sett}".rstrip("; "), 11, 19, FAINT)):
         text = text if len(text) <= ROOM else f"{text[: ROOM - 3]}..."
         draw.text((2, y), text, fill=round(255 * ink), font=ImageFont.load_default(size))

@@ -12,7 +12,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ..errors import InputError
-from .draft import Draft
+from .draft import USUAL_CM, Draft
 from .figures import damask_figure, lace_cut
 
 
@@ -129,11 +129,13 @@ WEAVES: dict[str, Callable[[], np.ndarray]] = {
     "crepe": crepe,
 }
 
+GROUP = (1.44, 0.12, 1.44)  # room of the three threads of a group: they lie 0.78 apart, and the groups 1.44
 DARK, LIGHT = (0.02, 0.02, 0.022), (0.70, 0.66, 0.56)  # the two colours that make a houndstooth
 
 
 def named_draft(name: str) -> Draft:
     """The draft of one repeat of a named weave, without colours but for houndstooth: four dark, four light, both ways.
+    Mock leno has the spacing of its groups, lace its holes.
 
     Raises InputError for an unknown name, with a suggestion.
     """
@@ -144,6 +146,10 @@ def named_draft(name: str) -> Draft:
     drawdown = WEAVES[name]()
     if name == "lace":
         return Draft(drawdown, cut=lace_cut(), title=name)
+    if name == "mock_leno":
+        # The threads of a group close up, and leave slits between the groups.
+        spacing = USUAL_CM * np.tile(GROUP, 2)
+        return Draft(drawdown, spacing, spacing, np.full(6, USUAL_CM), np.full(6, USUAL_CM), title=name)
     if name != "houndstooth":
         return Draft(drawdown, title=name)
     colors = np.repeat([DARK, LIGHT], 4, 0)

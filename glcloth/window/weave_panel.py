@@ -234,22 +234,24 @@ class WeavePanel(Panel):
 
     def _draw_on(self, loom: Loom, grid: Grid, low: tuple[float, float], cell: float) -> None:
         """Mark the cells that the pointer passes; the first says whether it marks or clears."""
+        held = self._held
         if not imgui.is_item_active():
             self._held = None
-            return
+            # A last motion may come in the same step as the release.
+            if held is None or not imgui.is_item_deactivated():
+                return
         mouse = imgui.get_mouse_pos()
         at = grid.cell((mouse.x - low[0]) / cell, (mouse.y - low[1]) / cell)
-        if at is None or (self._held is not None and at.part != self._held[0].part):
+        if at is None or (held is not None and at.part != held[0].part):
             return
         if imgui.is_item_activated():
-            self._held = at, not draft_grid.is_set(loom, at), grid
-            cells = [at]
-        elif self._held is None or at == self._held[0]:
+            up, cells = not draft_grid.is_set(loom, at), [at]
+        elif held is None or at == held[0]:
             return
         else:
-            cells = draft_grid.between(self._held[0], at)
-            self._held = at, self._held[1], grid
-        up = self._held[1]
+            up, cells = held[1], draft_grid.between(held[0], at)
+        if imgui.is_item_active():
+            self._held = at, up, grid
         for one in cells:
             loom = draft_grid.marked(loom, one, up)
         self._take(loom, "weave grid")
@@ -290,7 +292,9 @@ def _paint(loom: Loom, grid: Grid, colors, low: tuple[float, float], cell: float
     paper, unused = _code(PAPER), _code(UNUSED)
     ink = _code(INK)
     warp, weft = ([_code(c) for c in side] for side in colors)
-    plain = len(warp) == len(weft) == 1  # yarns of one colour each: ink on paper is easier to read
+    plain = (
+        len(warp) == len(weft) == 1 or len({*warp, *weft}) == 1
+    )  # yarns of one colour each: ink on paper is easier to read
     for x in columns:
         for y in rows:
             a = low[0] + x * cell, low[1] + y * cell
