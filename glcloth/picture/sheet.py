@@ -28,7 +28,8 @@ ROOM = 60  # letters of a line of text
 def fabric_sheet(path: str | Path, fabrics: Sequence[str], device: int | None = None) -> None:
     """Render `fabrics` and write them in rows of four: draped, and two centimetres of each with its threads.
 
-    Near pictures are darkened where they would be overexposed: a satin may mirror the lamp. The plainest and finest weaves come first, fabrics without a weave last. Raises InputError if it cannot be written.
+    Near pictures are darkened where they would be overexposed: a satin may mirror the lamp.
+    The plainest and finest weaves come first, fabrics without a weave last. Raises InputError if it cannot be written.
     """
     known = sorted(((name, load_fabric(name)) for name in fabrics), key=lambda one: _order(*one))
     mesh, camera = patch(2.0 * WIDE), patch_camera(WIDE, NEAR[0] / NEAR[1])

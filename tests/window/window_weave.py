@@ -53,7 +53,7 @@ def walk(folder):
     glfw.set_window_pos(app.host.window, 0, 0)
     hand, out = Weaver(app, folder), {}
     # Programs for other numbers of tangents are not needed here, and take long to compile.
-    app.drawing.refiner._cold, near_view.WARM_UP = False, ()
+    app.drawing.refiner._cold, near_view.WARM_UP, near_view.SIZE = False, (), (96, 48)
     drawdown = lambda: app.session.fabric.weave.drafted.drawdown.astype(int).tolist()  # noqa: E731
     settle(app)
     for section in ("Scene", "Fabric", "Light"):
@@ -105,7 +105,7 @@ def walk(folder):
     (folder / "bad.wif").write_text("[WIF]\n")
     out["bad"] = [drop(app, folder / "bad.wif"), "bad.wif" in app.messages.lines[-1][1], drawdown() == woven]
 
-    hand.do(["mousemove", 60, 360])
+    hand.do(["mousemove", 60, 250])
     bare = window_walk.picture_of(hand.keep("bare"), app)
     hand.do(["keydown", "n"])
     held = window_walk.picture_of(hand.keep("thread_counter"), app)
@@ -120,12 +120,13 @@ def walk(folder):
         app.session.scene.threads,
         round(float(np.linalg.norm(np.subtract(camera.eye, camera.target))), 4),
     ]
-    hand.do(["mousemove", 60, 360], ["key", "ctrl+z"])
-    app.actions.choose_fabric("velvet")
+    hand.do(["mousemove", 60, 250], ["key", "ctrl+z"])
+    bare_fabric = app.session.fabric.changed(weave=None, name="Bare")
+    app.session.choose_fabric(bare_fabric)
     settle(app)
     hand.keep("no_weave")
     hand.click("Give it a plain weave", 0.3)
-    out["given"] = [app.session.fabric.weave.far, app.session.fabric.yarn == load_fabric("velvet").yarn]
+    out["given"] = [app.session.fabric.weave.far, app.session.fabric.yarn == bare_fabric.yarn]
     out["gl_error"], out["errors"] = app.host.ctx.error, sum(kind == "error" for kind, _ in app.messages.lines)
     out["plain"] = list(plain.shape)
     app.close()
