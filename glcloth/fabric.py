@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import difflib
 import math
 from bisect import bisect_left
@@ -17,6 +18,7 @@ from .fields import Value, about
 from .files import PACKAGE, atomic_write, read_toml
 from .progress import warn
 from .weave.model import Weave
+from .weave.others import is_draft
 
 if TYPE_CHECKING:
     import numpy as np  # imported where it is used: the command line starts without it
@@ -262,6 +264,14 @@ class Fabric(Value):
             out += [Tangent(j, math.radians(tilt), count) for tilt, count in sorted(counts.items())]
         return tuple(out)
 
+    def sketch(self, side: int = 128) -> Self:
+        """An equal fabric whose maps of threads have at most `side` texels a side, for a first answer to an edit."""
+        if self.weave is None:
+            return self
+        out = copy.copy(self)
+        out.__dict__["weave"] = self.weave.sketch(side)
+        return out
+
     @property
     def sigma(self) -> float:
         """Width of shadowing and masking in radians."""
@@ -400,7 +410,7 @@ def builtin_fabrics() -> list[str]:
 
 
 def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
-    """Return a built-in fabric by name, or one read from a TOML file or made from a weaver's draft (.wif).
+    """Return a built-in fabric by name, or one read from a TOML file or made from a weaver's draft (.wif .dtx .wpo .twa).
 
     A draft that a fabric file names is looked for beside that file. Raises InputError for an unknown name (with a
     suggestion), a missing or malformed file, an unknown key or a value out of its range.
@@ -409,7 +419,7 @@ def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
         return name_or_path
     text = str(name_or_path)
     path = Path(text)
-    if path.suffix.lower() == ".wif":
+    if is_draft(text):
         from .weave.wif import load_draft
 
         return draft_fabric(load_draft(path))
@@ -425,7 +435,7 @@ def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
             )
     data = read_toml(path, "a fabric file (.toml)")
     weave = data.get("weave")
-    if isinstance(weave, dict) and str(weave.get("draft", "")).lower().endswith(".wif"):
+    if isinstance(weave, dict) and is_draft(str(weave.get("draft", ""))):
         data["weave"] = {**weave, "draft": str(path.parent / weave["draft"])}
     fabric = Fabric.parse(data, str(path))
     if path.parent != FABRICS:

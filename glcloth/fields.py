@@ -95,7 +95,7 @@ class Entry:
 
     Parameters
     ----------
-    kind : "bool", "int", "float", "text", "choice", "color" (three shares), "triple", "list", "table" or "other"
+    kind : "bool", "int", "float", "text", "choice", "color" (three shares), "triple", "pair", "list", "table" or "other"
     low, high : limits of the value; None where it has none
     option : the option of the command line with its dashes, or ""
     """
@@ -178,6 +178,8 @@ def _kind_of_several(parts: tuple) -> tuple[str, tuple[str, ...], list]:
     if parts[-1] is Ellipsis:
         return ("list" if parts[0] is str else "other"), (), []
     inner = list(getattr(parts[0], "__metadata__", ()))
+    if len(parts) == 2 and parts[0] == parts[1] and get_args(parts[0])[:1] == (float,):
+        return "pair", (), inner
     kind = "other" if len(parts) != 3 else "color" if _limits(inner)[1] == 1.0 else "triple"
     return kind, (), inner if kind != "other" else []
 

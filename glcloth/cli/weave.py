@@ -36,7 +36,7 @@ def weave(
     Parameters
     ----------
     draft
-        WIF file, or a fabric that has a weave (to report and draw it).
+        Draft (.wif .dtx .wpo .twa), or a fabric that has a weave (to report and draw it).
     """
     from ..fabric import save_fabric
     from ..image import check_output
@@ -69,9 +69,10 @@ def weave(
 def _woven(path: Path, flip: bool) -> tuple[Fabric, list[str]]:
     """The fabric of a draft or of a fabric file, and what was odd about the draft."""
     from ..fabric import draft_fabric, load_fabric
+    from ..weave.others import is_draft
     from ..weave.wif import load_draft
 
-    if path.suffix.lower() == ".wif":
+    if is_draft(str(path)):
         read = load_draft(path)
         return draft_fabric(read.flipped() if flip else read), list(read.warnings)
     fabric = load_fabric(str(path))

@@ -21,12 +21,12 @@ def warm_up(renderer: Renderer, frame: Frame) -> Iterator[None]:
     lights stay, so that their visibility need not be traced again.
     """
     warp, weft = frame.fabric.yarn
-    plain = {"curve_angles_deg": None, "curve_lengths": None, "samples": None}
+    plain = {"curve_angles_deg": None, "curve_lengths": None, "samples": None, "shares": None}
     one = weft.changed(**plain, tangents_deg=(0.0,), gamma_s_deg=20.0, gamma_v_deg=20.0)
     for tangents, gamma in WARM_UP:
         tilts = np.linspace(-20.0, 20.0, tangents - 1)
         many = warp.changed(**plain, tangents_deg=tuple(tilts), gamma_s_deg=gamma, gamma_v_deg=2.0 * gamma)
-        small = frame.with_cloth(fabric=frame.fabric.changed(yarn=(many, one)))
+        small = frame.with_cloth(fabric=frame.fabric.changed(yarn=(many, one), weave=None))
         for adaptive in (True, False):
             scene = frame.scene.changed(method="direct", quality="normal", spp=1, adaptive=adaptive, size=(22, 18))
             renderer.draw(replace(small, scene=scene))

@@ -25,6 +25,8 @@ class Draft:
     warp_thickness, weft_thickness : float64 [ends], [picks], cm, width of the threads; spacing where not given.
     warp_colors, weft_colors : float64 [ends, 3], [picks, 3], linear Rec. 709, or both None; kept as display sRGB of 8 bits,
     as drafts state colours.
+    cut : bool [picks, ends], True where both threads are missing, as in eyelets and lace, or None; files other than
+    fabrics cannot say it.
     title, warnings : text; what was odd about the file.
 
     Arrays are read-only. Raises InputError for other shapes, values that are no lengths or colours, and sizes above
@@ -38,6 +40,7 @@ class Draft:
     weft_thickness: np.ndarray | None = None
     warp_colors: np.ndarray | None = None
     weft_colors: np.ndarray | None = None
+    cut: np.ndarray | None = None
     title: str = ""
     warnings: tuple[str, ...] = field(default=())
 
@@ -47,6 +50,11 @@ class Draft:
             raise InputError(f"draft: drawdown is {drawdown.dtype} {drawdown.shape}, expected bool [picks, ends]")
         check_size(*drawdown.shape)
         self._keep("drawdown", drawdown)
+        if self.cut is not None:
+            cut = np.asarray(self.cut)
+            if cut.shape != drawdown.shape or cut.dtype != bool or cut.all():
+                raise InputError("draft: cut: expected bool [picks, ends], as the drawdown, that leaves some cloth")
+            self._keep("cut", cut)
         picks, ends = drawdown.shape
         for system, count in (("warp", ends), ("weft", picks)):
             spacing = _lengths(f"{system}_spacing", getattr(self, f"{system}_spacing"), np.full(count, USUAL_CM))
@@ -111,23 +119,26 @@ class Draft:
             for system, count in cut.items()
             for what in ("spacing", "thickness", "colors")
         }
-        return replace(self, drawdown=self.drawdown[:picks, :ends], **parts)
+        cutout = None if self.cut is None else self.cut[:picks, :ends]
+        return replace(self, drawdown=self.drawdown[:picks, :ends], cut=cutout, **parts)
 
     def flipped(self) -> Draft:
         """The draft read from the bottom, as handweavers often weave: twill lines lean the other way."""
         weft = {f"weft_{what}": getattr(self, f"weft_{what}") for what in ("spacing", "thickness", "colors")}
         weft = {name: None if value is None else value[::-1] for name, value in weft.items()}
-        return replace(self, drawdown=self.drawdown[::-1], **weft)
+        cut = None if self.cut is None else self.cut[::-1]
+        return replace(self, drawdown=self.drawdown[::-1], cut=cut, **weft)
 
     def _threads(self) -> tuple[np.ndarray, np.ndarray]:
         """Everything but colour that tells one thread from another: a row for each pick, a row for each end."""
-        weft = np.column_stack([self.drawdown, self.weft_spacing, self.weft_thickness])
-        warp = np.column_stack([self.drawdown.T, self.warp_spacing, self.warp_thickness])
+        crossings = self.drawdown if self.cut is None else self.drawdown + 2 * self.cut
+        weft = np.column_stack([crossings, self.weft_spacing, self.weft_thickness])
+        warp = np.column_stack([crossings.T, self.warp_spacing, self.warp_thickness])
         return weft, warp
 
     def _key(self) -> tuple:
         arrays = (self.drawdown, self.warp_spacing, self.weft_spacing, self.warp_thickness, self.weft_thickness)
-        arrays += (self.warp_colors, self.weft_colors)
+        arrays += (self.warp_colors, self.weft_colors, self.cut)
         return (self.title, *((None if a is None else (a.shape, a.tobytes())) for a in arrays))
 
     def __eq__(self, other) -> bool:

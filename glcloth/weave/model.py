@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import copy
 import math
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
-from pydantic import BeforeValidator, ConfigDict, Field, field_serializer, field_validator, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, PrivateAttr, field_serializer, field_validator, model_validator
 
 from ..errors import InputError, short
 from ..fields import Value, about
@@ -80,6 +81,8 @@ class Weave(Value):
     """
 
     model_config = ConfigDict(arbitrary_types_allowed=True)
+
+    _side: int | None = PrivateAttr(None)  # texels a side that maps have at most; None: no other limit than the tile's
 
     draft: Any = about("", "a named weave, a WIF file, or a table with the drawdown")
     ends_per_cm: float = about("1/cm", "warp ends in a centimetre of width", ge=0.5, le=400.0)
@@ -190,6 +193,12 @@ class Weave(Value):
             return COLOR_TO_ALBEDO * self.drafted.warp_colors, COLOR_TO_ALBEDO * self.drafted.weft_colors
         return None
 
+    def sketch(self, side: int) -> Weave:
+        """An equal weave whose maps have at most `side` texels a side, for a first answer to an edit."""
+        out = copy.copy(self)
+        out._side = side
+        return out
+
     def tile(self, size: tuple[int, int] | None = None) -> Tile:
         """The geometry of one repeat of the structure; `size` = (H, W) texels, about 32 a yarn by default."""
         from .tile import make_tile
@@ -208,17 +217,42 @@ class Weave(Value):
         import numpy as np
 
         from .maps import make_maps
+        from .tile import tile_size
 
+        if self._side is not None:
+            size = tuple(min(n, self._side) for n in size or tile_size(*self.drafted.structure))
         tilts = [np.radians(t) for t in tilts_deg]
         return make_maps(self.tile(size), tilts, weights, self.flat, self.occlusion, dtype)
 
     def color_map(self, maps: Maps) -> tuple[np.ndarray, tuple[float, float]] | None:
         """The map of the threads' colours beside `maps` (see colors.color_map); None where yarns have one colour."""
-        from .colors import color_map
+        from .colors import LARGEST, color_map
 
         colors = self.thread_colors
-        size = maps.hole.shape
-        return None if colors is None else color_map(self.tile(size), colors, maps.share)
+        largest = LARGEST if self._side is None else min(2 * self._side, LARGEST)
+        return None if colors is None else color_map(self.tile(maps.hole.shape), colors, maps.share, largest)
+
+    def as_draft(self, albedos) -> Draft:
+        """The weave as a draft to save: at its sett, with its yarns' widths, and in the colours of its threads.
+
+        albedos : [2, 3] of warp and weft, which count where threads have no colours of their own.
+        """
+        import numpy as np
+
+        from .draft import Draft
+
+        draft = self.drafted
+        colors = self.thread_colors or tuple(np.array(albedos, float)[:, None])
+        counts = [int(np.lcm(n, len(c))) for n, c in zip((draft.ends, draft.picks), colors, strict=True)]
+        threads: dict[str, Any] = {}
+        for j, (system, pitch) in enumerate(zip(("warp", "weft"), self.shape.pitch, strict=True)):
+            for what, mean in (("spacing", pitch), ("thickness", self.width[j] * pitch)):
+                own = getattr(draft, f"{system}_{what}")
+                threads[f"{system}_{what}"] = np.resize(own * (mean / own.mean()), counts[j])
+            own = np.clip(colors[j] / COLOR_TO_ALBEDO, 0.0, 1.0)
+            threads[f"{system}_colors"] = own[np.arange(counts[j]) % len(own)]
+        rows, columns = np.arange(counts[1]) % draft.picks, np.arange(counts[0]) % draft.ends
+        return Draft(draft.drawdown[np.ix_(rows, columns)], **threads, title=draft.title)
 
     def _colors_key(self) -> tuple | None:
         colors = self.thread_colors
@@ -248,12 +282,13 @@ def _draft(value: Any) -> str | Draft:
     """A draft as a file or a program gives it. Raises ValueError, which says what was expected."""
     from .draft import Draft
     from .named import named_draft
+    from .others import is_draft
     from .plain import draft_of
     from .wif import load_draft
 
     if isinstance(value, Draft):
         return value
-    if isinstance(value, Path) or (isinstance(value, str) and value.lower().endswith(".wif")):
+    if isinstance(value, Path) or (isinstance(value, str) and is_draft(value)):
         return load_draft(value)
     if isinstance(value, str):
         named_draft(value)

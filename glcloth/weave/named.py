@@ -12,7 +12,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ..errors import InputError
-from .draft import Draft
+from .draft import USUAL_CM, Draft
+from .figures import damask_figure, lace_cut
 
 
 def twill(*floats: int, step: int = 1) -> np.ndarray:
@@ -69,11 +70,16 @@ def herringbone() -> np.ndarray:
     return pointed(twill(2, 2), 8)
 
 
-def damask(block: int = 4) -> np.ndarray:
-    """A chequer of warp satin and weft satin of five, each field `block` repeats a side."""
-    front = np.tile(satin(5, 2), (block, block))
-    back = np.tile(~satin(5, 2)[:, ::-1], (block, block))
-    return np.block([[front, back], [back, front]])
+def damask() -> np.ndarray:
+    """A figure in warp satin on a ground of weft satin of five."""
+    figure = damask_figure()
+    repeats = np.array(figure.shape) // 5
+    return np.where(figure, np.tile(satin(5, 2), repeats), np.tile(~satin(5, 2)[:, ::-1], repeats))
+
+
+def lace() -> np.ndarray:
+    """Plain weave, out of which `lace_cut` takes a net, flowers and eyelets."""
+    return np.tile(plain(), np.array(lace_cut().shape) // 2)
 
 
 def mock_leno(n: int = 3) -> np.ndarray:
@@ -117,16 +123,19 @@ WEAVES: dict[str, Callable[[], np.ndarray]] = {
     "sateen_5": lambda: ~satin(5, 2),
     "sateen_8": lambda: ~satin(8, 3),
     "damask": damask,
+    "lace": lace,
     "mock_leno": mock_leno,
     "honeycomb": honeycomb,
     "crepe": crepe,
 }
 
+GROUP = (1.44, 0.12, 1.44)  # room of the three threads of a group: they lie 0.78 apart, and the groups 1.44
 DARK, LIGHT = (0.02, 0.02, 0.022), (0.70, 0.66, 0.56)  # the two colours that make a houndstooth
 
 
 def named_draft(name: str) -> Draft:
     """The draft of one repeat of a named weave, without colours but for houndstooth: four dark, four light, both ways.
+    Mock leno has the spacing of its groups, lace its holes.
 
     Raises InputError for an unknown name, with a suggestion.
     """
@@ -135,6 +144,12 @@ def named_draft(name: str) -> Draft:
         hint = f'; did you mean "{close[0]}"?' if close else ""
         raise InputError(f'weave "{name}": not a named weave ({", ".join(WEAVES)}) and not a .wif file{hint}')
     drawdown = WEAVES[name]()
+    if name == "lace":
+        return Draft(drawdown, cut=lace_cut(), title=name)
+    if name == "mock_leno":
+        # The threads of a group close up, and leave slits between the groups.
+        spacing = USUAL_CM * np.tile(GROUP, 2)
+        return Draft(drawdown, spacing, spacing, np.full(6, USUAL_CM), np.full(6, USUAL_CM), title=name)
     if name != "houndstooth":
         return Draft(drawdown, title=name)
     colors = np.repeat([DARK, LIGHT], 4, 0)

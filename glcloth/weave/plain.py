@@ -10,14 +10,15 @@ from ..color import srgb_decode, srgb_encode
 from ..errors import InputError, one_line
 from .draft import Draft
 
-UP, DOWN = "#", "."
+UP, DOWN, CUT = "#", ".", "o"
 ARRAYS = tuple(f"{system}_{what}" for system in ("warp", "weft") for what in ("spacing", "thickness", "colors"))
 
 
 def plain_draft(draft: Draft) -> dict:
-    """{"drawdown": rows of # (warp on top) and ., "warp_spacing": cm, "warp_colors": "#rrggbb", ...}; else lists."""
+    """{"drawdown": rows of # (warp on top), . and o (cut out), "warp_spacing": cm, "warp_colors": "#rrggbb", ...}; else lists."""
     out: dict = {"title": draft.title} if draft.title else {}
-    out["drawdown"] = ["".join(UP if up else DOWN for up in row) for row in draft.drawdown]
+    signs = np.where(draft.drawdown, UP, DOWN)
+    out["drawdown"] = ["".join(row) for row in (signs if draft.cut is None else np.where(draft.cut, CUT, signs))]
     for name in ARRAYS:
         value = getattr(draft, name)
         if value is not None:
@@ -45,8 +46,10 @@ def draft_of(data: dict) -> Draft:
         raise InputError(one_line(f"draft: {unknown}: unknown key; known keys: {', '.join(known)}"))
     rows = data.get("drawdown")
     good = isinstance(rows, list | tuple) and rows and all(isinstance(row, str) for row in rows)
-    if not good or len({len(row) for row in rows}) != 1 or set("".join(rows)) - {UP, DOWN}:
-        raise InputError(f'draft: drawdown: expected rows of equal length, of "{UP}" (warp on top) and "{DOWN}"')
+    if not good or len({len(row) for row in rows}) != 1 or set("".join(rows)) - {UP, DOWN, CUT}:
+        raise InputError(
+            f'draft: drawdown: expected rows of equal length, of "{UP}" (warp on top), "{DOWN}" and "{CUT}" (cut out)'
+        )
     counts = {"warp": len(rows[0]), "weft": len(rows)}
     arrays = {}
     for name in ARRAYS:
@@ -60,5 +63,9 @@ def draft_of(data: dict) -> Draft:
         except (TypeError, ValueError):
             what = 'colours such as "#c8b496"' if colors else "lengths in cm"
             raise InputError(f"draft: {name}: expected {what}, one for each thread or one for all") from None
-    drawdown = np.array([[c == UP for c in row] for row in rows])
-    return Draft(drawdown, **arrays, title=one_line(data.get("title", "")))
+    signs = np.array([list(row) for row in rows])
+    # What is cut out was plain weave: it binds the threads about it, and a reader sees no other.
+    plain = np.indices(signs.shape).sum(0) % 2 == 0
+    cut = signs == CUT
+    drawdown = np.where(cut, plain, signs == UP)
+    return Draft(drawdown, **arrays, cut=cut if cut.any() else None, title=one_line(data.get("title", "")))

@@ -111,6 +111,8 @@ def make_tile(shape: Shape, size: tuple[int, int] | None = None) -> Tile:
     weft_wins = layers[1][0] > layers[0][0]
     height, thread, tilt, side = (np.where(weft_wins, b, a) for a, b in zip(*layers, strict=True))
     hole = np.isneginf(height)
+    if draft.cut is not None:
+        hole |= draft.cut[np.ix_(_number(weft.crossing(u), picks), _number(warp.crossing(v), ends))].T
     system = np.where(hole, -1, weft_wins).astype(np.int8)
     floor = -0.5 * sum(shape.heights)
     p_1, p_2 = shape.pitch
@@ -118,6 +120,11 @@ def make_tile(shape: Shape, size: tuple[int, int] | None = None) -> Tile:
         system, thread, np.where(hole, 0.0, tilt), np.where(hole, 0.0, side), np.where(hole, floor, height),
         (picks * p_2, ends * p_1), (picks, ends),
     )  # fmt: skip
+
+
+def _number(crossing: np.ndarray, n: int) -> np.ndarray:
+    """The thread of each place in crossings."""
+    return np.minimum(crossing.astype(int), n - 1)
 
 
 class _Threads:

@@ -20,6 +20,7 @@ from ..color import srgb_decode, srgb_encode
 from ..errors import InputError, one_line
 from ..files import atomic_write
 from .draft import MAX_THREADS, USUAL_CM, Draft, check_size
+from .others import PROGRAMS, wif_bytes
 
 MAX_BYTES = 4 << 20  # the largest public draft, 641 x 641, has 0.04 MB
 MAX_SHAFTS = 1024  # distinct shafts, and treadles, of a draft
@@ -42,7 +43,7 @@ _Section = dict[str, _Entry]
 
 
 def load_draft(path: str | Path) -> Draft:
-    """Read a WIF file.
+    """Read a WIF file, or a draft of Fiberworks (.dtx), WeavePoint (.wpo) or TempoWeave (.twa).
 
     Every file that the format allows gives a Draft; what is odd about it (threads without threading, colours beyond
     their range, spacings that no cloth has) stands in its `warnings`. Colours are decoded from display sRGB to linear
@@ -62,6 +63,10 @@ def load_draft(path: str | Path) -> Draft:
     try:
         if len(data) > MAX_BYTES:
             raise InputError(f"larger than {MAX_BYTES >> 20} MB, expected a draft; cut it to one repeat")
+        if path.suffix.lower() in PROGRAMS:
+            data = wif_bytes(data, path.suffix.lower(), MAX_BYTES)
+            if len(data) > MAX_BYTES:
+                raise InputError(f"larger than {MAX_BYTES >> 20} MB as WIF, expected a draft; cut it to one repeat")
         return parse_draft(_decoded(data), path.stem)
     except InputError as error:
         raise InputError(one_line(f"{_short(path)}: {error}")) from None

@@ -6,17 +6,22 @@ from collections.abc import Container
 from itertools import count
 
 import glfw
+import moderngl
 import numpy as np
 
 from ..geometry.camera import Camera
+from ..gpu.memo import Last
 from ..light.fit import FitReport
+from ..picture.threads import guessed_scale
 from ..scene import View
 from . import orbit
 from .curtain import Player
 from .drawing import Drawing
 from .layout import Layout
 from .messages import Messages
+from .screen import Look
 from .state import Session
+from .thread_counter import Glass, glass_at
 from .tree_window import TreeWindow
 
 
@@ -37,6 +42,7 @@ class Actions:
         self.go_to, self.toggle_tree, self.picture = drawing.go_to, drawing.toggle_tree, drawing.picture
         self.reload_shaders = drawing.reload_shaders
         self._drawing = drawing
+        self._scale: Last[float] = Last()  # metres a UV unit of the mesh
 
     # -- questions ---------------------------------------------------------------------------------------------------
 
@@ -155,6 +161,32 @@ class Actions:
         """Scale the eye's distance."""
         radius = 2.0 if self.session.in_curtain else self._drawing.refiner.frames[0].mesh.radius
         self.look(orbit.zoom(self.camera, factor, radius))
+
+    def near_picture(self, look: Look) -> tuple[moderngl.Texture | None, float]:
+        """The cloth near by as the screen takes it, or None while it is made, and its width over its height.
+
+        It is drawn as long as it is asked for.
+        """
+        near = self._drawing.look_near()
+        return near.texture(look), near.aspect
+
+    def go_near(self) -> None:
+        """Come so near to what the eye looks at that the picture is four centimetres wide."""
+        camera, (width, height) = self.camera, self.session.shown.size
+        glass = self.glass(width / 2, height / 2)
+        target = np.asarray(camera.target if glass is None else glass.middle)
+        back = np.subtract(camera.eye, target)
+        distance = 0.02 / np.tan(np.radians(camera.fov_deg / 2)) * height / width
+        eye = target + back / np.linalg.norm(back) * distance
+        self.look(Camera(tuple(eye), tuple(target), camera.up, camera.fov_deg))
+
+    def glass(self, x: float, y: float) -> Glass | None:
+        """The square centimetre of the cloth under a place of the picture, from its top left corner."""
+        mesh = self._drawing.drawer.mesh if not self.session.in_curtain else None
+        if mesh is None or mesh.uv is None:
+            return None
+        scale = self.session.scene.uv_scale or self._scale.get(lambda: guessed_scale(mesh), mesh)
+        return glass_at(mesh, self.camera, self.session.shown.size, x, y, scale)
 
     def toggle_play(self) -> None:
         """Let the wind blow, or stop it."""

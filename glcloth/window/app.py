@@ -123,7 +123,7 @@ class App:
             # Programs that edits of the weave may need are compiled while nobody does anything.
             glfw.wait_events_timeout(QUIET)
             if clock.since("heard") > QUIET:
-                drawing.refiner.warm_up()
+                drawing.warm_up()
         elif self.files.watching:
             glfw.wait_events_timeout(0.25)
         else:
@@ -139,6 +139,7 @@ class App:
 
     def _panels(self) -> None:
         self.clock.mark("panels")
+        self.drawing.begin_step()
         imgui.backends.opengl3_new_frame()
         imgui.backends.glfw_new_frame()
         imgui.new_frame()

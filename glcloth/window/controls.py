@@ -8,7 +8,7 @@ from typing import get_args
 from ..fields import Entry, Value, entries
 from ..scene import CurtainParameters, MethodName, Scene
 
-KINDS = ("float", "int", "color", "triple", "choice", "bool", "text", "curve")
+KINDS = ("float", "int", "color", "triple", "pair", "choice", "bool", "text", "curve")
 # The curtain's own. The first ones change while it moves, the others hang it anew.
 HUNG = (
     "wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping",

@@ -13,6 +13,7 @@ from .clock import Clock, now
 from .curtain import Player
 from .host import Host
 from .messages import Messages
+from .near_view import NearView
 from .refine import Refiner
 from .resources import Ready, Resources
 from .screen import Look, Rectangle, Screen
@@ -30,6 +31,8 @@ class Drawing:
         self.refiner = Refiner(self.ctx)
         self.player = Player(self.ctx)
         self.tree: TreeWindow | None = None
+        self.near: NearView | None = None
+        self._near_asked = False  # since the last step
         self.ready: list[Ready | None] = []
         self.document: Document | None = None  # the one being drawn
         self.pending = True  # something that it needs is still being made
@@ -43,8 +46,9 @@ class Drawing:
         self.resources.close()
         if self.tree is not None:
             self.tree.close()
-        for thing in (self.player, self.refiner, self._screen):
-            thing.release()
+        for thing in (self.player, self.refiner, self._screen, self.near):
+            if thing is not None:
+                thing.release()
 
     # -- how far it is -----------------------------------------------------------------------------------------------
 
@@ -56,7 +60,8 @@ class Drawing:
     @property
     def busy(self) -> bool:
         """True while there is something to draw."""
-        return not self.drawer.idle or (self.tree is not None and not self.tree.idle)
+        near = self.near is not None and self._near_asked and not self.near.idle
+        return near or not self.drawer.idle or (self.tree is not None and not self.tree.idle)
 
     @property
     def complete(self) -> bool:
@@ -71,7 +76,16 @@ class Drawing:
     @property
     def cold(self) -> bool:
         """True while something is left to compile when nobody does anything."""
-        return not self.session.in_curtain and self.refiner.cold
+        if self.session.in_curtain:
+            return False
+        return self.refiner.cold or (self.near is not None and self._near_asked and self.near.cold)
+
+    def warm_up(self) -> None:
+        """Compile something that edits may need."""
+        if self.near is not None and self._near_asked and self.near.cold:
+            self.near.warm_up()
+        elif self.refiner.cold:
+            self.refiner.warm_up()
 
     def picture(self) -> np.ndarray:
         """The picture as `render` returns it: float32 [H, W, 3 or 4], linear, top row first; once refined."""
@@ -132,6 +146,8 @@ class Drawing:
             frames.append(self.refiner.frame(scene, fabric, have, ready[number] is not None))
         if complete:
             self.ready = ready
+        if self.near is not None:
+            self.near.show(frames[0])
         return not self.refiner.show(frames)
 
     def _follow_curtain(self, document: Document) -> bool:
@@ -155,11 +171,27 @@ class Drawing:
             self._go_to = None
         return fresh
 
+    def begin_step(self) -> None:
+        """Forget what the panels asked for in the last step."""
+        self._near_asked = False
+
+    def look_near(self) -> NearView:
+        """The view of the cloth near by, which is drawn as long as it is asked for in every step."""
+        self._near_asked = True
+        if self.near is None:
+            self.near = NearView(self.ctx)
+            if self.refiner.frames:
+                self.near.show(self.refiner.frames[0])
+        return self.near
+
     def work(self, budget: float) -> bool:
         """Draw for so many seconds; True when the picture has changed."""
         until = now() + budget
         changed = False
         try:
+            near = self.near if self._near_asked and not self.session.in_curtain else None
+            if near is not None and (near.answering or self.drawer.idle) and near.work(budget):
+                return True  # the answer is shown before anything else is drawn
             if not self.drawer.idle:
                 # The tree's window shares the time, so that it follows while the curtain moves.
                 share = 0.6 if self.tree is not None and not self.tree.idle else 1.0
@@ -230,6 +262,9 @@ class Drawing:
             self.messages.error(error)
             return
         self.refiner.release()
+        if self.near is not None:
+            self.near.release()
+            self.near = None
         self.refiner = refiner
         if curtain is not None:
             self._go_to = self.player.frame

@@ -11,16 +11,19 @@ from ..fabric import save_fabric
 from ..geometry.mesh_files import load_solid
 from ..image import check_output, write_image
 from ..scene import Scene, header, load_scene, save_scene
+from ..weave.others import SUFFIXES
+from ..weave.wif import load_draft, save_draft
 from . import sharing
 from .actions import Actions
 from .clock import Clock
 from .dialogs import Dialogs
 from .watch import SHADERS, Watcher
 
+DRAFTS = ["Drafts", " ".join(f"*{suffix}" for suffix in SUFFIXES)]
 OBJECTS = ["Meshes", "*.obj *.ply *.glb *.gltf"]
 OPENABLE = [
-    "Fabrics, scenes, lights, meshes, environments, pictures",
-    "*.toml *.json *.obj *.ply *.glb *.gltf *.hdr *.exr *.png",
+    "Fabrics, drafts, scenes, lights, meshes, environments, pictures",
+    "*.toml *.wif *.dtx *.wpo *.twa *.json *.obj *.ply *.glb *.gltf *.hdr *.exr *.png",
 ]
 
 
@@ -33,7 +36,7 @@ class Files:
     def __init__(self, actions: Actions, clock: Clock, source: str | None = None, watch: bool = False):
         self.actions, self.session = actions, actions.session
         self.source = source  # the scene's file, if any
-        self.names = {"scene": "scene.toml", "fabric": "fabric.toml", "picture": "picture.png"}
+        self.names = {"scene": "scene.toml", "fabric": "fabric.toml", "picture": "picture.png", "draft": "draft.wif"}
         self.asks_path = False
         self.dialogs = Dialogs()
         self._watcher = Watcher(clock) if watch else None
@@ -95,6 +98,29 @@ class Files:
     def save_fabric(self, path: str) -> None:
         """Write the fabric that is shown to a .toml file."""
         self.actions.attempt(self._save_toml, path, lambda target: save_fabric(target, self.session.fabric))
+
+    def save_draft(self, path: str) -> None:
+        """Write the draft of the fabric that is shown to a .wif file."""
+        self.actions.attempt(self._save_draft, path)
+
+    def _save_draft(self, path: str) -> None:
+        target, fabric = Path(path.strip()).expanduser(), self.session.fabric
+        if target.suffix.lower() != ".wif":
+            raise InputError(f"{target}: expected a name that ends in .wif")
+        if fabric.weave is None:
+            raise InputError(f"fabric {fabric.name}: has no [weave], so no draft to save")
+        save_draft(target, fabric.weave.as_draft([yarn.albedo for yarn in fabric.yarn]))
+        self.actions.note(f"wrote {target}")
+
+    def load_draft(self, path: str) -> None:
+        """Weave the fabric that is shown after a draft's file, at its present sett and with its yarns."""
+        self.actions.attempt(self._load_draft, path)
+
+    def _load_draft(self, path: str) -> None:
+        draft = load_draft(Path(path.strip()).expanduser())
+        self.session.take_draft(draft)
+        for warning in draft.warnings:
+            self.actions.note(f"{Path(path).name}: {warning}")
 
     def _save_toml(self, path: str, save: Callable[[Path], object]) -> None:
         target = Path(path.strip()).expanduser()

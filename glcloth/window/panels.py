@@ -21,12 +21,15 @@ from .dialogs import available
 from .fabric_panel import FabricPanel
 from .files import Files
 from .refine import METHODS
+from .thread_counter import pixel_of
+from .weave_panel import WeavePanel
 from .widgets import AMBER, CLAMP, GREY, RED, Panel, buttons, chooser, help_text, neat, tip
 
 LIGHT = {
     c.name: c
     for c in controls(Scene, ("lobes", "shadows", "env_rotate", "exposure", "spp", "background", "ground_color"))
 }
+BLACK = (0.0, 0.0, 0.0, 0.8)
 _FLAGS = imgui.WindowFlags_
 FLOATING = (_FLAGS.no_decoration | _FLAGS.always_auto_resize | _FLAGS.no_nav | _FLAGS.no_saved_settings).value
 
@@ -38,13 +41,14 @@ class Panels(Panel):
         super().__init__(actions)
         self.files = files
         self.fabric, self.curtain = FabricPanel(actions), CurtainPanel(actions)
-        self.camera = CameraPanel(actions)
+        self.weave = WeavePanel(actions, files)
         self.open_path = ""
         self.with_panels = False
 
     def draw(self) -> None:
         """All panels of one picture of the window."""
         self._overlay()
+        self._thread_counter()
         self._messages()
         if not self.actions.layout.show_panels:
             return
@@ -70,6 +74,7 @@ class Panels(Panel):
         for title, draw, flags in (
             ("Curtain##section", self.curtain.draw, opened) if in_curtain else ("Scene", self._scene, opened),
             ("Fabric", self.fabric.draw, opened),
+            ("Weave", self.weave.draw, 0),
             ("Light", self._light, opened),
             ("View", self._view, 0),
             ("Camera", self.camera.draw, 0),
@@ -305,6 +310,37 @@ class Panels(Panel):
             imgui.text_colored(AMBER, "software rendering: no GPU driver in use")
         imgui.end()
 
+    def _thread_counter(self) -> None:
+        """While N is held: a square centimetre of the cloth under the pointer, with its millimetres."""
+        io = imgui.get_io()
+        if io.want_text_input or io.want_capture_mouse or not imgui.is_key_down(imgui.Key.n):
+            return
+        actions, shown = self.actions, self.session.shown
+        left, _, width, height = actions.layout.rectangle()
+        unit = io.display_framebuffer_scale.x
+        # The picture may be shown smaller than it is; its rectangle counts from below.
+        top = io.display_size.y * unit - actions.layout.rectangle()[1] - height
+        factor = width / shown.size[0]
+        glass = actions.glass((io.mouse_pos.x * unit - left) / factor, (io.mouse_pos.y * unit - top) / factor)
+        draw = imgui.get_foreground_draw_list()
+        weave = self.session.fabric.weave
+        text = "1 cm" if weave is None else f"1 cm: {weave.ends_per_cm:.4g} ends x {weave.picks_per_cm:.4g} picks"
+        if glass is None:
+            text = "no cloth here"
+        for a, b in glass.lines() if glass is not None else ():
+            ends = [pixel_of(actions.camera, shown.size, point) for point in (a, b)]
+            if None in ends:
+                continue
+            (x0, y0), (x1, y1) = (((left + factor * x) / unit, (top + factor * y) / unit) for x, y in ends)
+            for color, thick in ((BLACK, 3.0), (AMBER, 1.0)):
+                code = imgui.color_convert_float4_to_u32(color)
+                draw.add_line((x0, y0), (x1, y1), code, thick * actions.layout.scale)
+        place = io.mouse_pos.x + 14 * actions.layout.scale, io.mouse_pos.y + 14 * actions.layout.scale
+        size = imgui.calc_text_size(text)
+        code = imgui.color_convert_float4_to_u32
+        draw.add_rect_filled(place, (place[0] + size.x + 8, place[1] + size.y + 4), code((0.0, 0.0, 0.0, 0.7)))
+        draw.add_text((place[0] + 4, place[1] + 2), code(AMBER), text)
+
     def _messages(self) -> None:
         layout, messages = self.actions.layout, self.actions.messages
         if not messages.lines:
@@ -332,6 +368,7 @@ KEYS = (
     ("C", "cloth or curtain"),
     ("Space, Right", "play or pause, one frame on"),
     ("T", "the tree's window"),
+    ("hold N", "thread counter: 1 cm of the cloth under the pointer"),
     ("F", "frame the cloth"),
     ("Home", "the first view"),
     ("B", "background on or off"),

@@ -13,6 +13,7 @@ import moderngl
 from ..fabric import Fabric
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
+from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
 from ..light.environment import rotation_y
@@ -52,6 +53,8 @@ class Refiner(Slices):
         self._seconds_per_row: dict[tuple, float] = {}
         self._targets = Targets(ctx)
         self._directions = 4  # of the shadows, at a time
+        self._mapped: list[Fabric] = []  # those of the last complete picture
+        self._sketch: Last[Fabric] = Last()
         self._cold = True  # some programs that edits of the weave may need are not compiled
         self._warming: Iterator[None] | None = None
 
@@ -127,7 +130,7 @@ class Refiner(Slices):
         hasty = True
         while True:
             self._again = False
-            frames = list(self.frames)
+            frames = [self._sketched(frame) for frame in self.frames]
             yield from self._shadows(frames, FEWEST)
             for number, frame in enumerate(frames):
                 yield from self._preview(number, frame, hasty)
@@ -137,12 +140,21 @@ class Refiner(Slices):
             if not self._again:
                 break
         self._refining = True
+        frames = list(self.frames)
         yield from self._shadows(frames)
         for number, frame in enumerate(frames):
             yield from self._between(number, frame)
         for number, frame in enumerate(frames):
             yield from self._at(number, frame, 1.0, "full")
+        self._mapped = [frame.fabric for frame in frames]
         self.covered = self.renderer.covered_pixels()
+
+    def _sketched(self, frame: Frame) -> Frame:
+        """A frame whose threads are drawn from coarse maps, unless its own are made: those of a new weave take long."""
+        fabric = frame.fabric
+        if not frame.scene.threads or fabric.weave is None or any(fabric is known for known in self._mapped):
+            return frame
+        return frame.with_cloth(fabric=self._sketch.get(lambda: fabric.sketch(), fabric))
 
     def _preview(self, number: int, frame: Frame, hasty: bool) -> Iterator[bool]:
         """A small picture that takes little time, and the size of the next one from how long it took."""

@@ -15,10 +15,11 @@ from ..fields import entries
 from ..files import read_toml
 from ..image import read_settings
 from ..light.lights_file import FORMAT
-from ..scene import CurtainParameters, Scene, View
+from ..weave.others import SUFFIXES
 
 MESHES = (".obj", ".ply", ".glb", ".gltf")
 KINDS = {".hdr": "env", ".png": "scene", ".json": "lights", **dict.fromkeys(MESHES, "mesh")}
+KINDS |= dict.fromkeys(SUFFIXES, "fabric")
 
 
 def kind_of(path: str | Path) -> Literal["scene", "fabric", "lights", "mesh", "env"]:
@@ -39,7 +40,8 @@ def kind_of(path: str | Path) -> Literal["scene", "fabric", "lights", "mesh", "e
         return "fabric" if "yarn" in data or "normalization" in data else "scene"
     raise InputError(
         f"{path}: cannot open {suffix or 'a file without suffix'}, expected .toml (fabric, scene or lights), "
-        f".json (lights), {' '.join(MESHES)} (mesh), .hdr .exr (environment), or a picture of ours (.exr .png)"
+        f".json (lights), {' '.join(SUFFIXES)} (draft), {' '.join(MESHES)} (mesh), .hdr .exr "
+        "(environment), or a picture of ours (.exr .png)"
     )
 
 

@@ -8,6 +8,9 @@ from typing import Literal
 from ..errors import InputError
 from ..fabric import Fabric, Transmission, load_fabric
 from ..scene import CurtainParameters, Scene, View
+from ..weave.draft import Draft
+from ..weave.model import Weave
+from ..weave.named import named_draft
 
 Compare = Literal["off", "split", "difference"]
 Mode = Literal["cloth", "curtain"]
@@ -254,6 +257,34 @@ class Session:
         except InputError as error:
             raise InputError(str(error).replace("yarn:", f"yarn {index + 1}:", 1)) from None
         self.edit_fabric(self.fabric.changed(yarn=tuple(yarns)), gesture)
+
+    def edit_weave(self, gesture: str | None = None, **changes) -> None:
+        """Change fields of the fabric's weave. Raises InputError for values out of range, or where there is none."""
+        weave = self.fabric.weave
+        if weave is None:
+            raise InputError(f"fabric {self.fabric.name}: has no [weave] to change; give it one")
+        self.edit_fabric(self.fabric.changed(weave=weave.changed(**changes)), gesture)
+
+    def choose_weave(self, name: str) -> None:
+        """Weave after a named draft, in its colours if it has some."""
+        self.take_draft(named_draft(name), name)
+
+    def take_draft(self, draft: Draft, name: str = "") -> None:
+        """Weave after a draft, at the present sett and with the present yarns; in its colours if it has some.
+
+        `name` : the named weave that it is, so that files say the name.
+        """
+        weave = self.fabric.weave
+        colors = "draft" if draft.has_colors else "yarn" if weave is None or weave.colors == "draft" else weave.colors
+        stripes = {} if colors == "stripes" else {"warp_stripes": None, "weft_stripes": None}
+        if weave is None:
+            self.give_weave({"draft": name or draft, "far": "yarns", "colors": colors})
+        else:
+            self.edit_weave(draft=name or draft, colors=colors, **stripes)
+
+    def give_weave(self, table: dict) -> None:
+        """Give a fabric that has no weave one. Raises InputError."""
+        self.edit_fabric(self.fabric.changed(weave=Weave.parse(table, "weave")))
 
     def reset_fabric(self) -> None:
         """Every parameter of the fabric back to its origin's."""

@@ -61,6 +61,10 @@ def control(control: Control, value: Any, high: float | None = None, scale: floa
         changed, new = imgui.slider_float3(label, [float(v) for v in value], control.low, top, "%.3f", CLAMP)
         new = tuple(neat(v) for v in (srgb_decode(np.clip(code, 0.0, 1.0)) if picked else new))
         changed = changed or picked
+    elif control.kind == "pair":
+        digits = "%.1f" if control.unit == "degrees" else "%.2f"
+        changed, new = imgui.slider_float2(label, [float(v) for v in value], control.low, top, digits + unit, CLAMP)
+        new = tuple(neat(v) for v in new)
     else:
         changed, new = imgui.slider_float3(label, [float(v) for v in value], control.low, top, "%.3g", CLAMP)
         new = tuple(neat(v) for v in new)
@@ -80,7 +84,11 @@ def help_text(control: Control) -> None:
     parts = [control.help or control.label]
     if control.unit:
         parts.append(f"in {control.unit}")
-    if control.low is not None and control.high is not None and control.kind in ("float", "int", "color", "triple"):
+    if (
+        control.low is not None
+        and control.high is not None
+        and control.kind in ("float", "int", "color", "triple", "pair")
+    ):
         parts.append(f"{control.low:g} to {control.high:g}; Ctrl+click to type")
     imgui.set_tooltip("\n".join(parts))
 

@@ -1,5 +1,6 @@
 """Drafts: what WIF files mean, 200 generated ones with planted errors, files that are no drafts, named weaves."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -358,6 +359,8 @@ def test_named_weaves_interlace_and_survive_their_file(name, tmp_path):
     for up in (draft.drawdown, draft.drawdown.T):
         assert (up.any(0) & ~up.all(0)).all()
     assert draft.repeat == draft.drawdown.shape or name == "houndstooth"
+    assert draft_of(plain_draft(draft)) == draft
+    draft = replace(draft, cut=None)  # a WIF cannot say what is cut out
     save_draft(tmp_path / "a.wif", draft)
     assert load_draft(tmp_path / "a.wif") == draft
     assert parse_draft(draft_text(draft)).drawdown.tolist() == draft.drawdown.tolist()

@@ -137,3 +137,27 @@ def test_without_a_display_one_line_names_render():
     env = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     run = subprocess.run([sys.executable, "-m", "glcloth", "view"], env=env, cwd=ROOT, capture_output=True, text=True)
     assert run.returncode == 3 and run.stderr.count("\n") == 1 and "glcloth render" in run.stderr
+
+
+@pytest.fixture(scope="module")
+def woven(display, tmp_path_factory):
+    folder = str(tmp_path_factory.mktemp("weave"))
+    return drive(display, folder, script=ROOT / "tests" / "window" / "window_weave.py")
+
+
+def test_the_draft_is_drawn_on_by_the_mouse(woven):
+    """A click toggles a crossing, drags thread, tie and tread; each is one step of undo, and the near view follows."""
+    assert woven["clicked"] == [[0, 0], [0, 1]] and woven["undone"] == [[[1, 0], [0, 1]], True]
+    assert woven["near_is_woven"] > 0.1 and woven["near_changed"] > 0.02 and woven["same_again"]
+    assert woven["twill"] and woven["threaded"] and woven["drag_is_one_step"] and woven["trodden"]
+    assert woven["tied"] == [True, [False, False]] and woven["crimp"]
+
+
+def test_drafts_are_saved_loaded_and_dropped(woven):
+    assert woven["saved"] and woven["fabric_saved"] and woven["loaded"]
+    assert woven["dropped"] == [True, True] and woven["bad"] == [True, True, True] and woven["errors"] == 1
+
+
+def test_threads_are_counted_near_by_and_any_fabric_gets_a_weave(woven):
+    assert woven["counter"][0] > 500 and woven["counter"][1] and woven["near_by"][0]
+    assert woven["given"] == ["yarns", True] and woven["gl_error"] == "GL_NO_ERROR"
