@@ -42,6 +42,7 @@ class Panels(Panel):
         self.files = files
         self.fabric, self.curtain = FabricPanel(actions), CurtainPanel(actions)
         self.weave = WeavePanel(actions, files)
+        self.camera = CameraPanel(actions)
         self.open_path = ""
         self.with_panels = False
 

@@ -15,6 +15,7 @@ from ..fields import entries
 from ..files import read_toml
 from ..image import read_settings
 from ..light.lights_file import FORMAT
+from ..scene import CurtainParameters, Scene, View
 from ..weave.others import SUFFIXES
 
 MESHES = (".obj", ".ply", ".glb", ".gltf")
