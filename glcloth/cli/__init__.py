@@ -20,6 +20,7 @@ from .measure import bench, diff, info
 from .render import render, view
 from .samples import samples
 from .sequence import animate, drape
+from .sweep import sweep
 from .weave import fabrics, weave
 
 ABOUT = """Woven cloth as it really looks, on OpenGL.
@@ -29,7 +30,7 @@ GLCLOTH_CACHE names the folder for fits and tables made on this machine (`glclot
 """
 app = App(name="glcloth", help=ABOUT, version=__version__, help_format="plaintext", suppress_keyboard_interrupt=False)
 
-for _command in (render, animate, view, tables, env, weave, fabrics, samples, drape, diff, info, bench):
+for _command in (render, animate, sweep, view, tables, env, weave, fabrics, samples, drape, diff, info, bench):
     app.command(_command)
 
 

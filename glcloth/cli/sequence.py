@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import functools
 import math
 import time
-from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -17,13 +15,12 @@ from ..errors import InputError
 from ..files import check_writable
 from ..progress import say, track
 from .common import Device, Json, output_option, tell
+from .many import Many
 from .options import SceneOptions, scene_of
 
 if TYPE_CHECKING:
-    from ..geometry.mesh import Mesh
-    from ..picture.renderer import Renderer
+    from ..farm.film import Film
     from ..scene import Scene
-    from ..simulation.drape import Swaying
 
 
 def animate(
@@ -38,6 +35,7 @@ def animate(
         bool | None, Parameter(help="Turn the camera once around the cloth; default: where nothing else moves.")
     ] = None,
     turn_env: Annotated[float, Parameter(help="Degrees by which the environment turns over the sequence.")] = 0.0,
+    many: Many | None = None,
     options: SceneOptions | None = None,
     device: Device = None,
     json: Json = False,
@@ -45,7 +43,7 @@ def animate(
     """Render a sequence: the curtain in the wind, or cloth that moves, under light that turns, or seen from all around.
 
     Cloth moves by poses from files (--mesh poses/%04d.ply: frame i takes file i, from --start on) or, the built-in one, in the --wind.
-    Where nothing else moves the camera goes once around it.
+    Where nothing else moves the camera goes once around it. Many processes or machines share the frames.
 
     Parameters
     ----------
@@ -57,33 +55,44 @@ def animate(
     if chosen.curtain is not None and (turntable or turn_env):
         raise InputError("--turntable, --turn-env: for cloth under an environment; the curtain hangs in a room")
 
+    from ..farm.film import Film
     from ..picture import sequence
-    from ..picture.renderer import Renderer
 
     video = sequence.check_sequence(output, chosen.size)
     if video and start:
         raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
-    transform = chosen.transform
+    film = Film(chosen, str(output), frames, rate, wind, turntable, turn_env, device, start)
     begin = time.perf_counter()
-    files = sequence.pose_files(chosen.mesh, frames, start) if "%" in chosen.mesh else None
-    if files or chosen.curtain is not None:
-        chosen = chosen.changed(**({"mesh": str(files[min(files)])} if files else {"rate": rate}))
-    with ExitStack() as stack:
-        renderer = stack.enter_context(Renderer(device))
-        poses = _poses(renderer, stack, files, wind, rate)
-        if turntable is None:
-            turntable = poses is None and not turn_env
-        pictures = sequence.pictures(renderer, chosen, frames, start, poses, turntable, turn_env, min(files or (0,)))
-        if video:
-            written = sequence.write_video(pictures, output, rate, chosen.exposure, transform)
-        else:
-            settings = functools.partial(_header_of_frame, chosen, files, turn_env / frames)
-            written = sequence.write_frames(pictures, str(output), start, settings, chosen.exposure, transform)
-        for _ in track(written, f"{output}: frames", frames - start):
-            pass
+    if many is not None and many.asked:
+        from .many import animate as by_many
+
+        done = by_many(film, many, start, video)
+        if done is None:
+            return
+    else:
+        done = frames - start
+        _film_here(film, start, video)
     seconds = time.perf_counter() - begin
-    result = {"file": str(output), "frames": frames - start, "seconds": round(seconds, 3)}
-    tell(json, result, f"{output}: {frames - start} frames, {seconds / (frames - start):.2f} s each")
+    result = {"file": str(output), "frames": done, "seconds": round(seconds, 3)}
+    tell(json, result, f"{output}: {done} frames, {seconds / max(done, 1):.2f} s each")
+
+
+def _film_here(film: Film, start: int, video: bool) -> None:
+    """Render a film in this process, its frames or a video."""
+    from ..picture import sequence
+    from ..picture.renderer import Renderer
+
+    look = film.scene.exposure, film.scene.transform
+    with ExitStack() as stack:
+        renderer = stack.enter_context(Renderer(film.device))
+        poses = film.poses(renderer, stack)
+        pictures = sequence.pictures(renderer, film.start, film.frames, start, poses, film.around, film.turn_env, film.first)
+        if video:
+            written = sequence.write_video(pictures, Path(film.output), film.rate, *look)
+        else:
+            written = sequence.write_frames(pictures, film.output, start, film.header, *look)
+        for _ in track(written, f"{film.output}: frames", film.frames - start):
+            pass
 
 
 def _scene_and_wind(name: str | None, options: SceneOptions | None) -> tuple[Scene, float | None]:
@@ -108,41 +117,6 @@ def _check_numbers(frames: int, start: int, rate: int, turn_env: float) -> None:
         raise InputError(f"--frames {frames} --start {start}: expected 1 to 100000 frames and a start below that")
     if not 1 <= rate <= 240:
         raise InputError(f"--rate {rate}: expected 1 to 240 frames per second")
-
-
-def _poses(
-    renderer: Renderer, stack: ExitStack, files: Mapping[int, Path] | None, wind: float | None, rate: int
-) -> Callable[[int], Mesh] | None:
-    """The mesh of each frame of a cloth that moves; None for one that rests."""
-    from ..geometry.mesh_files import load_mesh
-    from ..simulation.drape import Swaying
-
-    if files:
-        return lambda number: load_mesh(files[number])
-    if wind is None:
-        return None
-    swaying = Swaying(renderer.ctx, wind)
-    stack.callback(swaying.release)
-    return functools.partial(_swayed, swaying, rate)
-
-
-def _swayed(swaying: Swaying, rate: int, number: int) -> Mesh:
-    """The pose of a frame, asked for in ascending order."""
-    while swaying.frame < number:
-        swaying.step(1.0 / rate)
-    return swaying.mesh()
-
-
-def _header_of_frame(scene: Scene, files: Mapping[int, Path] | None, turn: float, number: int) -> dict:
-    """The scene as a picture of a sequence keeps it."""
-    from ..scene import header
-
-    changes: dict = {"mesh": str(files[number])} if files else {}
-    if turn:
-        changes["env_rotate"] = scene.env_rotate + turn * number
-    if scene.curtain is not None:
-        changes["frame"] = number
-    return header(scene.changed(**changes))
 
 
 def drape(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
@@ -17,6 +18,7 @@ from ..geometry.mesh import Mesh, relative_to
 from ..geometry.props import Objects
 from ..image import check_output, write_image
 from ..light.environment import rotation_y
+from ..progress import drain
 from ..scene import Scene
 from .frame import Frame
 from .renderer import Renderer
@@ -73,27 +75,65 @@ def moving(
     bits are as in the whole sequence but for where rays start, which the first traced pose decides.
     """
 
-    def at(i: int) -> Frame:
-        scene = frame.scene
-        if turn_env:
-            scene = scene.model_copy(update={"env_rotate": scene.env_rotate + turn_env * i / count})
-        return renderer.prepare(
-            scene,
-            fabric=frame.fabric,
-            mesh=frame.mesh if poses is None else relative_to(poses(i), frame.mesh.origin),
-            environment=frame.environment,
-            lights=None if turn_env else frame.lights,
-            camera=orbit(frame.camera, 360.0 * i / count) if turntable else frame.camera,
-            objects=frame.objects or Objects(),
-        )
-
+    at = functools.partial(_frame_at, renderer, frame, count, poses, turntable, turn_env)
     renderer.follow_poses(poses is not None)
     # Rounds of four poses: each traces directions of its own.
     for i in range(max(first, (start // POSES - 1) * POSES) if poses is not None else start, start):
-        for _ in renderer.trace_visibility(at(i)):
-            pass
+        drain(renderer.trace_visibility(at(i)))
     for i in range(start, count):
         yield renderer.render_frame(at(i))
+
+
+def chosen(
+    renderer: Renderer,
+    scene: Scene,
+    count: int,
+    numbers: Iterable[int],
+    poses: Callable[[int], Mesh] | None = None,
+    turntable: bool = False,
+    turn_env: float = 0.0,
+    first: int = 0,
+) -> Iterator[np.ndarray]:
+    """Yield the pictures of some frames of a sequence of `count`, their numbers ascending; parameters as for `moving`.
+
+    They have the bits of the whole sequence: of cloth that moves, all poses before a frame are traced.
+    """
+    if scene.curtain is not None:
+        for number in numbers:
+            yield renderer.render(scene.changed(frame=number))
+        return
+    at = functools.partial(_frame_at, renderer, renderer.prepare(scene), count, poses, turntable, turn_env)
+    renderer.follow_poses(poses is not None)
+    traced = first
+    for number in numbers:
+        for i in range(traced, number) if poses is not None else ():
+            drain(renderer.trace_visibility(at(i)))
+        traced = number + 1
+        yield renderer.render_frame(at(number))
+
+
+def _frame_at(
+    renderer: Renderer,
+    frame: Frame,
+    count: int,
+    poses: Callable[[int], Mesh] | None,
+    turntable: bool,
+    turn_env: float,
+    i: int,
+) -> Frame:
+    """Frame i of a sequence; `frame` holds all that does not change."""
+    scene = frame.scene
+    if turn_env:
+        scene = scene.model_copy(update={"env_rotate": scene.env_rotate + turn_env * i / count})
+    return renderer.prepare(
+        scene,
+        fabric=frame.fabric,
+        mesh=frame.mesh if poses is None else relative_to(poses(i), frame.mesh.origin),
+        environment=frame.environment,
+        lights=None if turn_env else frame.lights,
+        camera=orbit(frame.camera, 360.0 * i / count) if turntable else frame.camera,
+        objects=frame.objects or Objects(),
+    )
 
 
 def pose_files(pattern: str, count: int, start: int = 0) -> dict[int, Path]:

@@ -1,0 +1,141 @@
+"""A sequence of pictures as one plain value, of which any process renders any frame."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import InputError
+from ..geometry.mesh import Mesh
+from ..geometry.mesh_files import load_mesh
+from ..image import write_image
+from ..picture import sequence
+from ..picture.renderer import Renderer
+from ..scene import Scene, header
+from ..simulation.drape import Swaying
+
+
+@dataclass(frozen=True)
+class Film:
+    """A sequence, with all that determines its frames.
+
+    scene : for all frames; a mesh such as poses/%04d.ply gives each frame its own
+    output : pattern of the frames' files, such as frames/%04d.png
+    frames, rate : how many in all, and per second
+    wind : m/s, of the built-in cloth; None: it rests
+    turntable : one turn of the camera around the cloth; None: where nothing else moves
+    turn_env : degrees by which the environment turns over the sequence
+    since : the first frame that is wanted; poses before it need not be there
+    """
+
+    scene: Scene
+    output: str
+    frames: int
+    rate: int = 24
+    wind: float | None = None
+    turntable: bool | None = None
+    turn_env: float = 0.0
+    device: int | None = None
+    since: int = 0
+
+    @functools.cached_property
+    def files(self) -> dict[int, Path] | None:
+        """The poses' files, if the cloth has such. Raises InputError for one that is missing."""
+        return sequence.pose_files(self.scene.mesh, self.frames, self.since) if "%" in self.scene.mesh else None
+
+    @property
+    def first(self) -> int:
+        """The first pose that there is."""
+        return min(self.files or (0,))
+
+    @functools.cached_property
+    def start(self) -> Scene:
+        """The scene as it is prepared: with the first pose, and with the rate of a curtain."""
+        if self.files:
+            return self.scene.changed(mesh=str(self.files[self.first]))
+        return self.scene if self.scene.curtain is None else self.scene.changed(rate=self.rate)
+
+    @property
+    def around(self) -> bool:
+        """Whether the camera goes round the cloth."""
+        moves = self.files is not None or self.wind is not None or self.scene.curtain is not None
+        return not (moves or self.turn_env) if self.turntable is None else self.turntable
+
+    def poses(self, renderer: Renderer, stack: ExitStack) -> Callable[[int], Mesh] | None:
+        """The mesh of each frame of a cloth that moves, asked for in ascending order; None for one that rests."""
+        if (files := self.files) is not None:
+            return lambda number: load_mesh(files[number])
+        if self.wind is None:
+            return None
+        swaying = Swaying(renderer.ctx, self.wind)
+        stack.callback(swaying.release)
+        return functools.partial(_swayed, swaying, self.rate)
+
+    def header(self, number: int) -> dict:
+        """The scene as the picture of a frame keeps it."""
+        changes: dict[str, Any] = {"mesh": str(self.files[number])} if self.files else {}
+        if self.turn_env:
+            changes["env_rotate"] = self.scene.env_rotate + self.turn_env / self.frames * number
+        if self.scene.curtain is not None:
+            changes["frame"] = number
+        return {**header(self.start.changed(**changes)), "frame": number}
+
+    # -- a job of many processes -------------------------------------------------------------------------------------
+
+    def file(self, number: int) -> Path:
+        """Where a frame is written."""
+        return sequence.frame_name(self.output, number)
+
+    def pictures(self, numbers: Iterable[int]) -> Iterator[np.ndarray]:
+        """Yield the pictures of some frames, their numbers ascending: to the bit those of the whole sequence."""
+        with ExitStack() as stack:
+            renderer = stack.enter_context(Renderer(self.device))
+            poses = self.poses(renderer, stack)
+            yield from sequence.chosen(renderer, self.start, self.frames, numbers, poses, self.around, self.turn_env, self.first)
+
+    def write(self, number: int, picture: np.ndarray) -> dict:
+        """Write a frame, whole or not at all."""
+        look = {"exposure": self.scene.exposure, "view_transform": self.scene.transform}
+        write_image(self.file(number), picture, self.header(number), **look)
+        return {"number": number, "file": str(self.file(number))}
+
+
+def _swayed(swaying: Swaying, rate: int, number: int) -> Mesh:
+    """The pose of a frame, asked for in ascending order."""
+    while swaying.frame < number:
+        swaying.step(1.0 / rate)
+    return swaying.mesh()
+
+
+def encode(film: Film, video: Path) -> Iterator[Path]:
+    """Write the frames of a film, which are there as .exr, as a video; yields after each."""
+    from ..image import read_image
+
+    pictures = (read_image(film.file(number)) for number in range(film.frames))
+    yield from sequence.write_video(pictures, video, film.rate, film.scene.exposure, film.scene.transform)
+
+
+def in_frames(film: Film, folder: Path) -> Film:
+    """The same film as .exr frames in a folder."""
+    return replace(film, output=str(folder / "%06d.exr"))
+
+
+def numbers_of(text: str | None, count: int) -> list[int]:
+    """The frames of a list such as 5, 0-9 or 3,7,12-20, ascending; all where there is none. Raises InputError."""
+    if text is None:
+        return list(range(count))
+    out: set[int] = set()
+    for part in text.split(","):
+        first, dash, last = part.strip().partition("-")
+        if not first.isdigit() or (dash and not last.isdigit()):
+            raise InputError(f"--only {text}: expected numbers such as 5, 0-9 or 3,7,12-20")
+        out |= set(range(int(first), int(last if dash else first) + 1))
+        if max(out, default=count) >= count:
+            raise InputError(f"--only {text}: expected 0 to {count - 1}, of {count}")
+    return sorted(out)

@@ -1,0 +1,126 @@
+"""Many processes share pictures: one that is killed costs its picture, and all have the bits of one process."""
+
+import csv
+import json
+import os
+import shlex
+
+import numpy as np
+import pytest
+from fake_job import Fake
+from test_doors import fails, run
+
+from glcloth import cli
+from glcloth.errors import InputError
+from glcloth.farm import cluster, pool
+from glcloth.farm.film import Film, numbers_of
+from glcloth.farm.openjd import film_template
+from glcloth.farm.sweep import parse_vary
+from glcloth.geometry.mesh import build_mesh
+from glcloth.geometry.mesh_files import load_mesh
+from glcloth.image import read_image
+from glcloth.picture import sequence
+from glcloth.scene import Scene
+
+QUICK = ["--mesh", "sphere", "--size", "16x12", "--shadows", "off", "--quality", "draft"]
+
+
+def test_a_process_killed_costs_its_picture_which_another_makes(tmp_path, capsys, monkeypatch):
+    monkeypatch.delenv("LP_NUM_THREADS", raising=False)
+    done = [result["number"] for result in pool.share(Fake(tmp_path, (2, 3)), range(7), 2)]
+    assert sorted(done) == list(range(7)) and "another makes it" in capsys.readouterr().err
+    assert [(tmp_path / f"{n}.txt").read_text().split()[0] for n in range(7)] == [str(3 * n) for n in range(7)]
+    assert (tmp_path / "0.txt").read_text().split()[1] == str(pool.threads_of(2))
+    assert not list(tmp_path.glob(".*")), "half a picture is left"
+    assert "LP_NUM_THREADS" not in os.environ
+
+
+def test_a_picture_that_kills_every_process_is_given_up(tmp_path):
+    with pytest.raises(RuntimeError, match=r"0\.txt: 3 processes died"):
+        list(pool.share(Fake(tmp_path, (0,), always=True), [0], 1))
+
+
+def test_some_frames_of_cloth_that_moves_have_the_bits_of_all(renderer):
+    """With a cut in the middle, from where rays start anew."""
+    sheet = load_mesh("plane")
+
+    def pose(i):
+        positions = sheet.positions.astype(float)
+        positions[:, 1] += (0.05 + 0.01 * i) * np.sin(9 * positions[:, 0] + (0.2 if i < 2 else 2.0) * i)
+        return build_mesh("pose", positions, sheet.triangles, sheet.uv)
+
+    scene = Scene(fabric="linen", size=(24, 18), mesh="plane", quality="draft")
+    whole = list(sequence.pictures(renderer, scene, 6, poses=pose, turn_env=60.0))
+    some = list(sequence.chosen(renderer, scene, 6, iter([1, 3, 5]), pose, turn_env=60.0))
+    renderer.follow_poses(False)
+    assert all(np.array_equal(some[k], whole[n]) for k, n in enumerate((1, 3, 5)))
+    assert not np.array_equal(whole[3], whole[5])
+
+
+def test_sweep_makes_pictures_a_sheet_and_a_table(tmp_path, capsys):
+    vary = ["--vary", "fabric=linen,silk_shot", "--vary", "warp.gamma_s_deg=4:12:8"]
+    command = ["sweep", "-o", tmp_path / "s", *vary, *QUICK, "--workers", "2", "--json"]
+    assert run(*command) == 0
+    assert json.loads(capsys.readouterr().out)["pictures"] == 4
+    assert sorted(p.name for p in (tmp_path / "s").iterdir())[:4] == [f"000{i}.png" for i in range(4)]
+    rows = list(csv.DictReader((tmp_path / "s/table.csv").open()))
+    assert [(r["fabric"], r["warp.gamma_s_deg"]) for r in rows][1:3] == [("linen", "12"), ("silk_shot", "4")]
+    assert float(rows[1]["mean_luminance"]) == pytest.approx(read_image(tmp_path / "s/0001.png").mean(), rel=0.3)
+    assert read_image(tmp_path / "s/sheet.png").shape[0] > 2 * 12
+    # A picture is rendered as the command line renders it, and only what is missing or of another scene is made again.
+    assert run("render", "-o", tmp_path / "one.png", *QUICK, "--fabric", "silk_shot") == 0
+    (tmp_path / "s/0001.png").write_bytes((tmp_path / "one.png").read_bytes())
+    capsys.readouterr()
+    before = (tmp_path / "s/0000.png").stat().st_mtime_ns
+    assert run(*command, "--resume") == 0
+    assert json.loads(capsys.readouterr().out)["pictures"] == 1
+    assert (tmp_path / "s/0000.png").stat().st_mtime_ns == before
+
+
+def test_wrong_sweeps_are_said_before_anything_is_rendered(tmp_path, capsys):
+    command = ["sweep", "-o", tmp_path / "s", *QUICK]
+    for vary, said in (
+        ("fabri=linen", "did you mean fabric"),
+        ("fabric=", "expected values"),
+        ("env-rotate=0:9:-1", "first:last:step"),
+        ("warp.eta=0.5,1.5", "eta"),
+        ("wind=1,2", "curtain"),
+        ("fabric=linnen", "linen"),
+    ):
+        assert said in fails(capsys, *command, "--vary", vary)
+    assert "--only" in fails(capsys, *command, "--vary", "spp=1,2", "--only", "2")
+    assert not (tmp_path / "s").exists()
+
+
+def test_values_of_sweeps_and_numbers_of_frames():
+    assert parse_vary(["env-rotate=0:180:60", "ground_color=0.1,0.2,0.3;0,0,0"]) == (
+        ("env_rotate", "ground_color"),
+        ((0, 60, 120, 180), ("0.1,0.2,0.3", "0,0,0")),
+    )
+    assert parse_vary(["exposure=0:0.3:0.1"])[1] == ((0, 0.1, 0.2, 0.3),)
+    assert numbers_of("3,0-1,7", 8) == [0, 1, 3, 7] and numbers_of(None, 2) == [0, 1]
+    with pytest.raises(InputError, match="0 to 7"):
+        numbers_of("8", 8)
+
+
+def test_a_farm_runs_commands_that_the_command_line_knows():
+    template = film_template(Film(Scene(), "frames/%04d.png", 5))
+    (step,) = template["steps"]
+    assert step["parameterSpace"]["taskParameterDefinitions"][0]["range"] == "0-4"
+    text = step["script"]["embeddedFiles"][0]["data"].splitlines()[-1]
+    text = (
+        text.replace("{{Param.Scene}}", "drape").replace("{{Task.Param.Frame}}", "3").replace("{{Param.Frames}}", "f")
+    )
+    _, bound, _ = cli.app.parse_args(shlex.split(text)[1:], exit_on_error=False, print_error=False)
+    assert bound.arguments["many"].only == "3" and str(bound.arguments["output"]) == "f/%04d.png"
+
+
+def test_a_cluster_makes_the_pictures(tmp_path):
+    from distributed import LocalCluster
+
+    options = {"n_workers": 2, "threads_per_worker": 1, "processes": False, "dashboard_address": None}
+    with LocalCluster(**options) as local:
+        done = [r["number"] for r in cluster.share(Fake(tmp_path), [0, 2, 5], local.scheduler_address)]
+    assert sorted(done) == [0, 2, 5] and (tmp_path / "5.txt").read_text().startswith("15 ")
+    with pytest.raises(InputError, match="no scheduler answers"):
+        list(cluster.share(Fake(tmp_path), [0], "not an address"))
