@@ -15,6 +15,7 @@ from cyclopts import App, CycloptsError
 from .. import __version__
 from ..errors import DriverError, InputError, NoOpenGLError, ShaderError
 from ..progress import hear_ctrl_c, say, was_stopped
+from .export import export
 from .light import env, tables
 from .measure import bench, diff, info
 from .render import render, view
@@ -30,7 +31,7 @@ GLCLOTH_CACHE names the folder for fits and tables made on this machine (`glclot
 """
 app = App(name="glcloth", help=ABOUT, version=__version__, help_format="plaintext", suppress_keyboard_interrupt=False)
 
-for _command in (render, animate, sweep, view, tables, env, weave, fabrics, samples, drape, diff, info, bench):
+for _command in (render, animate, sweep, view, tables, env, weave, fabrics, export, samples, drape, diff, info, bench):
     app.command(_command)
 
 

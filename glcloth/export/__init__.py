@@ -1,0 +1,1 @@
+"""Fabrics for other renderers, each with a measured distance from the original."""

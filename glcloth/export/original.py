@@ -1,0 +1,124 @@
+"""The cloth as other programs are to show it, by the NumPy twin; pairs of directions; how far a model is from it.   [own]"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..color import luminance
+from ..fabric import Fabric
+from ..light.environment import cube_map, load_environment
+from ..twins.cloth import f_cloth
+
+Response = Callable[[np.ndarray, np.ndarray], np.ndarray]  # (omega_i, omega_o [..., 3]) -> f cos(theta_i), [..., 3]
+LOWEST = np.cos(np.radians(85.0))  # cosine of views and lights: beyond, all models guess
+AT_ONCE = 20_000  # pairs
+
+
+def response(fabric: Fabric) -> Response:
+    """Radiance toward omega_o per irradiance, perpendicular to the light, from omega_i; surface frame."""
+    yarns, tangents, weights, gap, sigma = fabric.arrays()
+
+    def original(omega_i: np.ndarray, omega_o: np.ndarray) -> np.ndarray:
+        omega_i, omega_o = np.broadcast_arrays(omega_i, omega_o)
+        i, o = omega_i.reshape(-1, 3), omega_o.reshape(-1, 3)
+        parts = [
+            f_cloth(i[k : k + AT_ONCE], o[k : k + AT_ONCE], yarns, tangents, weights, gap, sigma)
+            for k in range(0, len(i), AT_ONCE)
+        ]
+        return np.concatenate(parts).reshape(omega_i.shape)
+
+    return original
+
+
+def hemisphere(count: int, seed: int) -> np.ndarray:
+    """Directions [count, 3] that are even in solid angle, above LOWEST."""
+    random = np.random.default_rng(seed)
+    z = LOWEST + (1.0 - LOWEST) * (random.permutation(count) + random.random(count)) / count
+    phi = 2.0 * np.pi * random.random(count)
+    r = np.sqrt(1.0 - z * z)
+    return np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+
+
+@dataclass(frozen=True)
+class Errors:
+    """|difference| of luminance, % of the original's mean: its mean and its 95th percentile.
+
+    sun : under single suns from everywhere, over all views. studio : under the built-in studio, turned in all ways.
+    """
+
+    sun: tuple[float, float]
+    studio: tuple[float, float]
+
+    def __str__(self) -> str:
+        return (
+            f"differs by {self.studio[0]:.2g} % (95 %: {self.studio[1]:.2g} %) under the studio, "
+            f"by {self.sun[0]:.2g} % (95 %: {self.sun[1]:.2g} %) under single suns"
+        )
+
+    def as_dict(self) -> dict:
+        """Plain numbers."""
+        return {f"{light}_{name}": round(value, 4) for light in ("sun", "studio")
+                for name, value in zip(("mean", "p95"), getattr(self, light), strict=True)}  # fmt: skip
+
+
+def errors(model: Response, fabric: Fabric, pairs: int = 6000, views: int = 120) -> Errors:
+    """How far a model is from a fabric; views and lights to 85 degrees."""
+    original = response(fabric)
+    i, o = hemisphere(pairs, 11), hemisphere(pairs, 12)
+    sun = _spread(model(i, o), original(i, o))
+    directions, flux = _studio()
+    ours, theirs = [], []
+    for view, turn in zip(hemisphere(views, 13), _turns(views), strict=True):
+        lit = directions @ turn.T
+        above = lit[:, 2] > 0.0
+        ours.append((original(lit[above], view) * flux[above]).sum(0))
+        theirs.append((model(lit[above], np.broadcast_to(view, lit[above].shape)) * flux[above]).sum(0))
+    return Errors(sun, _spread(np.array(theirs), np.array(ours)))
+
+
+def _studio() -> tuple[np.ndarray, np.ndarray]:
+    """Directions of the built-in studio, and radiance x solid angle from each."""
+    directions, solid_angle, radiance = cube_map(load_environment("studio"), 8)
+    return directions, solid_angle[:, None] * radiance
+
+
+def _turns(count: int) -> np.ndarray:
+    """Rotations [count, 3, 3], even over all."""
+    q = np.random.default_rng(14).normal(size=(count, 4))
+    w, x, y, z = (q / np.linalg.norm(q, axis=1, keepdims=True)).T
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def _spread(test: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
+    apart = np.abs(luminance(test) - luminance(truth)) / luminance(truth).mean()
+    return float(100 * apart.mean()), float(100 * np.percentile(apart, 95))
+
+
+def sphere_pictures(model: Response, fabric: Fabric, side: int = 72) -> np.ndarray:
+    """The original and the model on a ball in the studio, beside each other; [side, 2 side, 3], linear."""
+    original = response(fabric)
+    y, x = np.meshgrid(*(np.linspace(1, -1, side), np.linspace(-1, 1, side)), indexing="ij")
+    on = x * x + y * y < 0.98
+    N = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], -1)[on]
+    t = np.cross([0.0, 1.0, 0.0], N)
+    t /= np.linalg.norm(t, axis=1, keepdims=True)
+    frames = np.stack([t, np.cross(N, t), N], 1)  # rows: yarn 1, yarn 2, normal
+    views = frames @ np.array([0.0, 0.0, 1.0])
+    directions, flux = _studio()
+    pictures = []
+    for f in (original, model):
+        picture = np.zeros((side, side, 3))
+        picture[on] = [
+            (f(directions @ frame.T, np.broadcast_to(view, directions.shape)) * flux).sum(0)
+            for frame, view in zip(frames, views, strict=True)
+        ]
+        pictures.append(picture)
+    return np.concatenate(pictures, 1)
