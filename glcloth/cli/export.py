@@ -41,7 +41,7 @@ def export(
 
     done = write(chosen, output)
     result = {"fabric": chosen.name, **done.as_dict()}
-    if picture is not None:
+    if picture is not None and done.model is not None:
         write_image(picture, sphere_pictures(done.model, chosen))
         result["picture"] = str(picture)
     tell(json, result, f"{output}: {chosen.name}, {done.errors}")

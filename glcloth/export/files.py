@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import io
 import json
 import struct
@@ -18,23 +19,26 @@ from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..files import atomic_write, check_writable
 from .maps import Textures, make_textures, normal_map, png, png16
+from .mitsuba_response import MissingMitsubaError, by_mitsuba
 from .models import Fitted, fit_gltf, fit_openpbr
 from .original import Errors, Response, errors
+from .plain import numbers_of
 
 CLOTH = 0.2  # metres a side of the piece of cloth in a .glb
 
 
 @dataclass(frozen=True)
 class Exported:
-    """What was written: its files, its errors, and the response that it stands for."""
+    """What was written: its files, its errors or why they were not measured, and the response that it stands for."""
 
     files: list[Path]
-    errors: Errors
-    model: Response
+    errors: Errors | str
+    model: Response | None
 
     def as_dict(self) -> dict:
         """Plain values."""
-        return {"files": [str(f) for f in self.files], **self.errors.as_dict()}
+        said = {"not_measured": self.errors} if isinstance(self.errors, str) else self.errors.as_dict()
+        return {"files": [str(f) for f in self.files], **said}
 
 
 def export(fabric: Fabric | str, path: Path) -> Exported:
@@ -46,7 +50,10 @@ def export(fabric: Fabric | str, path: Path) -> Exported:
         raise InputError(f"{path}: cannot export {said}, expected a name that ends in {', '.join(WRITERS)}")
     check_writable(path)
     files, model = writer(fabric, path)
-    return Exported(files, errors(model, fabric), model)
+    try:
+        return Exported(files, errors(model, fabric), model)
+    except MissingMitsubaError as error:
+        return Exported(files, str(error), None)
 
 
 # -- maps -----------------------------------------------------------------------------------------------------------------
@@ -278,8 +285,40 @@ def _name(text: str) -> str:
     return "".join(c if c.isalnum() else "_" for c in text) or "cloth"
 
 
+# -- Mitsuba 3 ------------------------------------------------------------------------------------------------------------
+
+
+def _mitsuba_py(fabric: Fabric, path: Path) -> tuple[list[Path], Response]:
+    """The plugin's source with the fabric's numbers: a module that registers itself, without glcloth."""
+    source = (Path(__file__).parent / "mitsuba_bsdf.py").read_text(encoding="utf-8")
+    numbers = json.dumps(numbers_of(fabric))
+    text = (
+        f"{source}\n\n# {fabric.name}, by glcloth {__version__}. Set a variant, import this file, load BSDF.\n"
+        f"NUMBERS = {numbers!r}\n"
+        'BSDF = {"type": "twosided", "nested": {"type": "microcylinder", "numbers": NUMBERS}}\n'
+        "register()\n"
+    )
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
+    return [path], functools.partial(by_mitsuba, numbers_of(fabric))
+
+
+def _mitsuba_xml(fabric: Fabric, path: Path) -> tuple[list[Path], Response]:
+    """A BSDF to include in a scene; `import glcloth.mitsuba` makes its plugin known."""
+    root = ET.Element("scene", version="3.0.0")
+    outer = ET.SubElement(root, "bsdf", type="twosided", id=_name(fabric.name))
+    inner = ET.SubElement(outer, "bsdf", type="microcylinder")
+    ET.SubElement(inner, "string", name="numbers", value=json.dumps(numbers_of(fabric)))
+    ET.indent(root)
+    with atomic_write(path) as temporary:
+        temporary.write_bytes(b"<!-- import glcloth.mitsuba before this is loaded -->\n" + ET.tostring(root) + b"\n")
+    return [path], functools.partial(by_mitsuba, numbers_of(fabric))
+
+
 WRITERS: dict[str, Callable[[Fabric, Path], tuple[list[Path], Response]]] = {
     ".zip": _zip,
     ".glb": _glb,
     ".mtlx": _mtlx,
+    ".py": _mitsuba_py,
+    ".xml": _mitsuba_xml,
 }

@@ -70,13 +70,15 @@ def errors(model: Response, fabric: Fabric, pairs: int = 6000, views: int = 120)
     i, o = hemisphere(pairs, 11), hemisphere(pairs, 12)
     sun = _spread(model(i, o), original(i, o))
     directions, flux = _studio()
-    ours, theirs = [], []
-    for view, turn in zip(hemisphere(views, 13), _turns(views), strict=True):
-        lit = directions @ turn.T
-        above = lit[:, 2] > 0.0
-        ours.append((original(lit[above], view) * flux[above]).sum(0))
-        theirs.append((model(lit[above], np.broadcast_to(view, lit[above].shape)) * flux[above]).sum(0))
-    return Errors(sun, _spread(np.array(theirs), np.array(ours)))
+    lit = directions @ np.swapaxes(_turns(views), 1, 2)  # [views, directions, 3]
+    seen = np.broadcast_to(hemisphere(views, 13)[:, None], lit.shape)
+    above = lit[..., 2] > 0.0
+    radiances = []
+    for f in (original, model):
+        values = np.zeros(lit.shape)
+        values[above] = f(lit[above], seen[above])
+        radiances.append((values * flux).sum(1))
+    return Errors(sun, _spread(radiances[1], radiances[0]))
 
 
 def _studio() -> tuple[np.ndarray, np.ndarray]:
@@ -113,12 +115,13 @@ def sphere_pictures(model: Response, fabric: Fabric, side: int = 72) -> np.ndarr
     frames = np.stack([t, np.cross(N, t), N], 1)  # rows: yarn 1, yarn 2, normal
     views = frames @ np.array([0.0, 0.0, 1.0])
     directions, flux = _studio()
+    lit = directions @ np.swapaxes(frames, 1, 2)  # [pixels, directions, 3]
+    seen = np.broadcast_to(views[:, None], lit.shape)
+    above = lit[..., 2] > 0.0
     pictures = []
     for f in (original, model):
-        picture = np.zeros((side, side, 3))
-        picture[on] = [
-            (f(directions @ frame.T, np.broadcast_to(view, directions.shape)) * flux).sum(0)
-            for frame, view in zip(frames, views, strict=True)
-        ]
+        values, picture = np.zeros(lit.shape), np.zeros((side, side, 3))
+        values[above] = f(lit[above], seen[above])
+        picture[on] = (values * flux).sum(1)
         pictures.append(picture)
     return np.concatenate(pictures, 1)
