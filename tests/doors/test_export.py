@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 from test_doors import fails, run
 
 from glcloth.color import srgb_decode
-from glcloth.export import models, original
+from glcloth.export import files, models, original
 from glcloth.export.maps import make_textures
 from glcloth.export.mitsuba_bsdf import register
 from glcloth.export.mitsuba_response import MissingMitsubaError
