@@ -68,7 +68,7 @@ def run_cheaply(words, where):
     if command is None:
         made = [word for word in words[2:] if FILE.search(word) and not word.startswith("-")]
         for name in made:
-            output = words[words.index(name) - 1] in ("-o", "--output")
+            output = words[words.index(name) - 1] in ("-o", "--output", "--openjd", "--picture")
             assert output or (documents.ROOT / name).exists() or Path(name).exists(), f"{where}: {name} is not there"
         return
     if words[1] == "samples":  # to let the cloth hang before the wind takes 5 s: two poses stand in, and are kept
