@@ -19,8 +19,7 @@ with glcloth.Renderer() as renderer:
         # Equal flux: the integral of a Gaussian is about 2 pi / sharpness.
         lights = glcloth.SphericalGaussians([[0, 1, 0]], [sharpness], [[0.4 * sharpness] * 3])
         for method, row in rows.items():
-            row.append(
-                renderer.render(fabric="silk_shot", lights=lights, method=method, size=size, background=False, shadows="off")[..., :3]
-            )
+            how = dict(method=method, size=size, background=False, shadows="off")
+            row.append(renderer.render(fabric="silk_shot", lights=lights, **how)[..., :3])
 glcloth.write_image(path, np.vstack([np.hstack(row) for row in rows.values()]))
 print(path)

@@ -45,7 +45,7 @@ def env(
     picture = target.with_suffix(".png")
     write_image(picture, fit_picture(environment, report.lights))
     result = {"file": str(target), "picture": str(picture), **report.as_dict()}
-    tell(json, result, *report.splitlines(), f"{target}, {picture}")
+    tell(json, result, *str(report).splitlines(), f"{target}, {picture}")
 
 
 def tables(

@@ -42,8 +42,8 @@ def animate(
 ) -> None:
     """Render a sequence: the curtain in the wind, or cloth that moves, under light that turns, or seen from all around.
 
-    Cloth moves by poses from files (--mesh poses/%04d.ply: frame i takes file i, from --start on) or, the built-in one, in the --wind.
-    Where nothing else moves the camera goes once around it. Many processes or machines share the frames.
+    Cloth moves by poses from files (--mesh poses/%04d.ply: frame i takes file i, from --start on) or, the built-in one,
+    in the --wind. Where nothing else moves the camera goes once around it. Many processes or machines share the frames.
 
     Parameters
     ----------
