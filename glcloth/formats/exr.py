@@ -23,11 +23,13 @@ WHOLE = ("beauty", "combined", "rgba", "rgb", "color", "c", "image", "composite"
 
 @dataclass(frozen=True)
 class _Layer:
-    """Channels of one part that make a picture: roles of `channels` to their names; `name` is how a user calls it."""
+    """Channels of one part that make a picture: roles of `channels` to their names; `name` is how a user calls it; `plain`:
+    the channels' names are the roles themselves."""
 
     part: int
     name: str
     channels: dict[str, str]
+    plain: bool
 
     @property
     def gray(self) -> bool:
@@ -120,7 +122,7 @@ def _layers(headers: list[dict]) -> list[_Layer]:
                     last = name.rpartition(".")[2].lower()
                     key = prefix != "", rank, bool(name) and last not in WHOLE, number
                     channels = {role: roles[role] for role in wanted if role in roles}
-                    found.append((key, _Layer(number, name, channels)))
+                    found.append((key, _Layer(number, name, channels, prefix == "")))
                     break
     return [layer for _, layer in sorted(found, key=lambda item: item[0])]
 
@@ -138,7 +140,7 @@ def _chosen(path: Path, layers: list[_Layer], wanted: str) -> _Layer:
         close = difflib.get_close_matches(wanted, names, 1)
         hint = f"; did you mean {close[0]}?" if close else ""
         raise InputError(f"{path}: has no layer {wanted}, expected {', '.join(dict.fromkeys(names))}{hint}")
-    if len(layers) > 1 and layers[0].name:
+    if len(layers) > 1 and (not layers[0].plain or layers[1].plain):
         others = ", ".join(dict.fromkeys(names[1:]))
         warn(f"{path}: layer {names[0]} is taken, there are also {others}; choose by --layer NAME")
     return layers[0]

@@ -56,7 +56,9 @@ class _Scene:
 
     def pieces(self) -> Iterator[RawMesh]:
         """Each primitive of each node of the scene."""
-        for number in self._shown():
+        shown = self._shown()
+        self._check_total(shown)
+        for number in shown:
             node = self.nodes[number]
             if "mesh" not in node.table:
                 continue
@@ -69,6 +71,29 @@ class _Scene:
                     part = tuple(dict.fromkeys(name for name in (material, *names) if name))
                     for instance in self._placed(piece, node, mesh):
                         yield replace(instance, parts=(part,))
+
+    def _check_total(self, shown: list[int]) -> None:
+        """Refuse too many triangles by the counts alone."""
+        total = 0
+        for number in shown:
+            table = self.nodes[number].table
+            if "mesh" in table:
+                times = self._instance_count(table)
+                for primitive in self.document.item("meshes", table["mesh"])["primitives"]:
+                    corners = self.document.count(primitive.get("indices", primitive["attributes"]["POSITION"]))
+                    mode = primitive.get("mode", TRIANGLES)
+                    total += times * (corners // 3 if mode == TRIANGLES else corners if mode in (STRIP, FAN) else 0)
+        check_counts(self.document.where, triangles=total)
+
+    def _instance_count(self, table: dict) -> int:
+        """How often a node is there."""
+        extension = (table.get("extensions") or {}).get("EXT_mesh_gpu_instancing")
+        if not extension or "skin" in table:
+            return 1
+        counts = {self.document.count(number) for number in extension["attributes"].values()}
+        if len(counts) != 1 or max(counts) > MOST_INSTANCES:
+            raise ValueError(f"a node has {max(counts, default=0)} instances")
+        return counts.pop()
 
     # -- nodes -------------------------------------------------------------------------------------------------------
 
@@ -111,7 +136,7 @@ class _Scene:
         if "skin" in node.table:  # its joints say where it is
             worlds = [None]
         elif table := extensions.get("EXT_mesh_gpu_instancing"):
-            worlds = [node.world @ local for local in self._instances(table["attributes"])]
+            worlds = [node.world @ local for local in self._instances(table["attributes"], self._instance_count(node.table))]
         else:
             worlds = [node.world]
         self._count(len(piece.positions) * len(worlds), len(piece.triangles) * len(worlds))
@@ -124,12 +149,8 @@ class _Scene:
         self._triangles += triangles
         check_counts(self.document.where, self._vertices, self._triangles)
 
-    def _instances(self, attributes: dict) -> np.ndarray:
+    def _instances(self, attributes: dict, count: int) -> np.ndarray:
         """The matrices [I, 4, 4] of EXT_mesh_gpu_instancing."""
-        counts = {self.document.count(number) for number in attributes.values()}
-        if len(counts) != 1 or max(counts) > MOST_INSTANCES:
-            raise ValueError(f"a node has {max(counts, default=0)} instances")
-        count = counts.pop()
         columns = {"TRANSLATION": 3, "ROTATION": 4, "SCALE": 3}
         rows = {name: self.document.accessor(attributes[name], (width,))
                 for name, width in columns.items() if name in attributes}  # fmt: skip

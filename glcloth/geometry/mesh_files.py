@@ -130,14 +130,14 @@ def _stand() -> tuple[Mesh, np.ndarray]:
         ((x + BALL[0], triangles, N), (0.55, 0.53, 0.50)),
     ]
     firsts = np.cumsum([0, *(len(part[0]) for part, _ in parts)])
-    mesh = build_mesh(
-        "stand",
+    whole = RawMesh(
         np.concatenate([part[0] for part, _ in parts]),
         np.concatenate([part[1] + first for (part, _), first in zip(parts, firsts, strict=False)]),
         None,
         np.concatenate([part[2] for part, _ in parts]),
     )
-    return mesh, np.concatenate([np.tile(np.float32(color), (len(part[1]), 1)) for part, color in parts])
+    mesh, kept = assembled(whole, "stand", "stand")
+    return mesh, np.concatenate([np.tile(np.float32(color), (len(part[1]), 1)) for part, color in parts])[kept]
 
 
 def save_mesh(path: str | Path, mesh: Mesh) -> None:
