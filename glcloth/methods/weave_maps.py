@@ -34,6 +34,7 @@ def far_footprint(fabric: Fabric) -> float:
 
 STRANDS = 6.0, 12.0  # across a yarn, and their length over their width
 NOISE = 256  # texels a side
+MOST_TAPS = 8.0  # places at which a pixel reads the maps
 
 
 class WeaveMaps:
@@ -73,6 +74,7 @@ class WeaveMaps:
             "yarns": (100.0 * fabric.weave.picks_per_cm, 100.0 * fabric.weave.ends_per_cm),
             "irregular": (loose.shift, loose.length, loose.yarn, loose.fibre),
             "fibres": (*STRANDS, -np.tan(twist[0]), np.tan(twist[1])),
+            "most_taps": MOST_TAPS,
             "weave_A": np.array([y.albedo for y in fabric.yarn], "f4"),
         }
 

@@ -89,7 +89,8 @@ class Threads:
     def defines(self, method: Method) -> dict[str, Any]:
         """Constants of the program for pixels that show threads, beside the method's own."""
         groups, lanes = method.woven_packing()
-        return {**method.defines(), "WEAVE": 1, "GROUPS": groups, "LANE_COUNT": lanes}
+        each = " ".join(f"F({g});" for g in range(groups))
+        return {**method.defines(), "WEAVE": 1, "GROUPS": groups, "LANE_COUNT": lanes, "EACH_GROUP(F)": each}
 
     def inputs(self, method: Method, buffer: GBuffer) -> dict[str, Any]:
         """What that program reads, beside the method's inputs."""

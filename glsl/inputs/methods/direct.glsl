@@ -106,7 +106,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
             vec4 rule = fetch_node(node, entry.column, entry.between);
             light_at(node_direction(entry, rule.xyz), rule.w, cos_o);
         } while (++node < entry.last);
-        L += entry.light * (exp(mean.w) * V_number(entry.V)) * IN_LIGHT(sum_tangents(), entry.xi);
+        L += entry.light * (exp(mean.w) * V_number(entry.V)) * COLORED(sum_tangents(LEAN(entry.xi)));
         k = entry_after(k, N);
     } while (k < entry_counts.x);
     // Rules of one node, which is the mean.
@@ -115,7 +115,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
         vec4 mean = fetch_node(entry.last, entry.column, entry.between);
         EACH_GROUP(aim_group_at_node)
         light_at(node_direction(entry, mean.xyz), 1.0, cos_o);
-        L += entry.light * (exp(mean.w) * V_number(entry.V)) * IN_LIGHT(sum_tangents(), entry.xi);
+        L += entry.light * (exp(mean.w) * V_number(entry.V)) * COLORED(sum_tangents(LEAN(entry.xi)));
         k = entry_after(k, N);
     } while (k < entry_counts.y);
     return L;

@@ -12,7 +12,7 @@ uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta
 uniform vec2 phi_rule[MAX_PHI_PAIRS];   // nodes > 0 and weights of a Gauss-Legendre rule on -1..1
 uniform vec2 yarn_F_0;
 #ifdef WEAVE
-#define NODE(s, v, omega) node_sums(vec2(s, v) * seen_of(int(domain.w), int(head.w), omega), first_yarn)
+#define NODE(s, v, omega) node_sums(vec2(s, v) * seen_of(seen, first_yarn ? 0 : 1, omega), first_yarn)
 vec4 node_sums(vec2 terms, bool first_yarn) { return first_yarn ? vec4(terms, 0.0, 0.0) : vec4(0.0, 0.0, terms); }
 #else
 #define NODE(s, v, omega) s + A * v
@@ -40,6 +40,9 @@ void visit_lobes(vec3 omega_o) {
         int column = min(int(place), LOBE_COLUMNS - 2);
         float between = place - float(column);
         vec3 A = first_yarn ? yarn_A[0] : yarn_A[1];
+#ifdef WEAVE
+        vec2 seen = rel_and_turn(int(domain.w));
+#endif
         int row = 0;
         do {
             int at = p * stride + 2 + row * LOBE_COLUMNS + column;
