@@ -4,7 +4,7 @@
 #include "inputs/methods/rel.glsl"
 #include "inputs/picture/pixel_uv.glsl"
 #define SUMS vec4
-#define LEAN(omega) lean(omega)
+#define ADD_LIGHT(light, omega) L += (light) * woven(sum_tangents(lean(omega)))
 #define COLORED(sums) woven(sums)
 
 // A uniform: compilers unroll a loop whose limit they can tell, and a software rasteriser then runs all its rounds.
