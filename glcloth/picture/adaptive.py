@@ -109,15 +109,15 @@ class AdaptiveRate:
 
     def _cover(self, buffer: GBuffer, part: moderngl.Framebuffer | None, clears: bool = True) -> None:
         """Cover the coarse pixels that sample a covered pixel, of a part of the picture or of all; make all of them black."""
-        cover = programs(self.ctx).screen("passes/picture/adaptive_cover.frag", {} if part is None else {"OF_A_PART": 1})
+        cover = programs(self.ctx).screen(
+            "passes/picture/adaptive_cover.frag", {} if part is None else {"OF_A_PART": 1}
+        )
         inputs = buffer.inputs() if part is None else {"part_depth": part.depth_attachment}
         self._coarse.color_mask = (clears,) * 4
         draw_screen(cover, self._coarse, inputs, depth="written", pixel_stride=2)
         self._coarse.color_mask = (True,) * 4
 
-    def _near_terms(
-        self, buffer: GBuffer, shown: Shown, inputs: Callable[[], Inputs], pace: Pace
-    ) -> Iterator[None]:
+    def _near_terms(self, buffer: GBuffer, shown: Shown, inputs: Callable[[], Inputs], pace: Pace) -> Iterator[None]:
         """Shade the coarse pixels that show threads as cloth from afar, and keep the tangents' terms."""
         if self._terms is None or self._terms.layers != shown.layers:
             if self._terms is not None:

@@ -14,6 +14,7 @@ uniform sampler2DArray color_map;    // of warp and of weft: colour times share,
 uniform bool colored;                // whether threads have colours of their own
 uniform vec2 weave_repeats, color_repeats;  // 1/m, along u and v
 uniform vec3 weave_A[2];
+uniform float far_footprint;  // metres of cloth, the shorter side of a pixel from which on it shows no threads
 
 uniform sampler2D noise_map;
 uniform vec2 yarns;       // picks and ends of a metre
@@ -76,15 +77,20 @@ void fetch_weave(ivec2 pixel) {
 #define NO_REL(g) rel[g] = turn[g] = vec4(0.0);
 #define ADD_REL(g) rel[g] += textureLod(weave_map, vec3(place, float(g)), taps.y); \
     turn[g] += textureLod(weave_map, vec3(place, float(g + GROUPS)), taps.y);
-#define MEAN_REL(g) rel[g] *= share; turn[g] *= share;
+#define MEAN_REL(g) rel[g] = mix(vec4(1.0), share * rel[g], seen); turn[g] *= seen * share;
     EACH_GROUP(NO_REL)
     float tap = 0.0, share = 1.0 / taps.x;
     do {
         vec2 place = at.uv * weave_repeats + way * ((tap + 0.5) * share - 0.5);
         EACH_GROUP(ADD_REL)
     } while (++tap < taps.x);
+    // What a picture's pixels are too coarse to draw would only make patterns of its own.
+    float seen = clamp(2.5 - 2.5 * min(length(at.x), length(at.y)) / far_footprint, 0.0, 1.0);
     EACH_GROUP(MEAN_REL)
+    strands = mix(vec4(1.0), strands, seen);
     fetch_colors(at);
+    pixel_A[0] = mix(weave_A[0], pixel_A[0], seen);
+    pixel_A[1] = mix(weave_A[1], pixel_A[1], seen);
 }
 
 // The colour of sums of surface and volume terms, of warp and of weft.
