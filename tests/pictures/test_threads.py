@@ -185,7 +185,7 @@ def test_the_side_that_turns_to_the_light_is_brighter(renderer, axis, light):
 
 def test_threads_are_shown_unless_they_are_not_wanted(renderer):
     fabric = even("denim_raw")
-    look = {**LOOK, "mesh": patch(fabric), "camera": camera(30, 20), "size": (64, 64)}
+    look = {**LOOK, "mesh": patch(fabric), "camera": camera(30, 20, 0.008), "size": (64, 64)}
     del look["threads"]
     far, near = renderer.render(fabric=fabric, threads=False, **look), renderer.render(fabric=fabric, **look)
     assert np.array_equal(far, renderer.render(fabric=fabric.changed(weave=None), **look))
