@@ -24,9 +24,7 @@ camera = glcloth.Camera((0.0, height, away), (0.0, 0.0, 0.0), fov_deg=40.0)
 
 with glcloth.Renderer() as renderer:
     pictures = [
-        renderer.render(
-            fabric=name, mesh=cloth, camera=camera, env="studio", threads=True, spp=4, size=(480, 480), shadows="off"
-        )
+        renderer.render(fabric=name, mesh=cloth, camera=camera, env="studio", spp=4, size=(480, 480), shadows="off")
         for name in track(sys.argv[2:] or ("houndstooth", "denim_raw", "linen_heavy"), "fabrics")
     ]
 glcloth.write_image(path, np.concatenate(pictures, axis=1), exposure=0.3, view_transform="filmic")

@@ -172,7 +172,7 @@ class Scene(Value):
     # fmt: off
     fabric: str | Fabric = option("", "built-in fabric, a .toml file or a draft (.wif)", default="silk_crepe_de_chine", file=True)
     threads: bool = cloth(
-        "", "threads where one comes near, of a fabric with a weave (direct, reference)", default=False)
+        "", "threads where one comes near, of a fabric with a weave (direct, reference)", default=True)
     uv_scale: float = cloth(
         "m", "length of a UV unit of the mesh, for the size of threads; 0: measured", default=0.0, ge=0, le=1000)
     mesh: str = cloth("", "built-in mesh or a file (.obj .ply .glb .gltf)", default="drape", file=True)

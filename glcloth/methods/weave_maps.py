@@ -13,7 +13,7 @@ from ..gpu.memo import Last
 from ..weave.maps import Maps, mip_levels
 from ..weave.tile import tile_size
 
-FAR_YARNS = 4.0  # yarns in a pixel, or one repeat if that is more, from which on it shows none
+FAR_YARNS, FAR_REPEATS = 2.0, 0.5  # yarns in a pixel, or repeats if these are more, from which on it shows none
 
 
 def repeat_of(fabric: Fabric) -> tuple[float, float]:
@@ -26,14 +26,16 @@ def repeat_of(fabric: Fabric) -> tuple[float, float]:
 
 
 def far_footprint(fabric: Fabric) -> float:
-    """Metres: a pixel that covers so much of the cloth, on its shorter side, shows no thread and no pattern of threads."""
+    """Metres: a pixel that covers so much of the cloth, on its shorter side, shows no thread and no pattern of threads:
+    pixels cannot draw what repeats faster than every two of them."""
     assert fabric.weave is not None
     yarn = 0.01 / min(fabric.weave.ends_per_cm, fabric.weave.picks_per_cm)
-    return max(FAR_YARNS * yarn, *repeat_of(fabric))
+    return max(FAR_YARNS * yarn, *(FAR_REPEATS * side for side in repeat_of(fabric)))
 
 
 STRANDS = 6.0, 12.0  # across a yarn, and their length over their width
 NOISE = 256  # texels a side
+MOST_TAPS = 8.0  # places at which a pixel reads the maps
 
 
 class WeaveMaps:
@@ -73,6 +75,7 @@ class WeaveMaps:
             "yarns": (100.0 * fabric.weave.picks_per_cm, 100.0 * fabric.weave.ends_per_cm),
             "irregular": (loose.shift, loose.length, loose.yarn, loose.fibre),
             "fibres": (*STRANDS, -np.tan(twist[0]), np.tan(twist[1])),
+            "most_taps": MOST_TAPS,
             "weave_A": np.array([y.albedo for y in fabric.yarn], "f4"),
         }
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -14,7 +16,32 @@ from ..gpu.screen import draw_screen
 from .pace import Pace
 
 TOLERANCE = 0.03  # estimated relative error of luminance up to which a pixel is interpolated
+EMPTY = np.array([0, 1, 1, 0], "u4")  # a list of pixels
 BEND = 2.0  # how many widths of the narrowest lobe the normals of neighbours may differ, so that no highlight hides between
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The pixels that show threads, and what shades them.
+
+    Parameters
+    ----------
+    near, far : the picture, where only these pixels are covered, and only the others
+    terms_program : passes/picture/shade_terms.frag with the method, for one pixel in four
+    layers : texels that this keeps of each
+    list_program : as for the other pixels
+    defines, virtual : of the program that combines terms with the maps of threads
+    inputs : what these programs read beside the inputs of the others
+    """
+
+    near: moderngl.Framebuffer
+    far: moderngl.Framebuffer
+    terms_program: Draw
+    layers: int
+    list_program: Compute
+    defines: dict[str, Any]
+    virtual: dict[str, str]
+    inputs: Callable[[], Inputs]
 
 
 class AdaptiveRate:
@@ -28,7 +55,8 @@ class AdaptiveRate:
     def __init__(self, ctx: moderngl.Context, tolerance: float = TOLERANCE):
         self.ctx, self.tolerance = ctx, tolerance
         self._size: tuple[int, int] | None = None
-        self._list = Buffer(ctx, 16)
+        self._list, self._near_list = Buffer(ctx, 16), Buffer(ctx, 16)
+        self._terms: moderngl.TextureArray | None = None
 
     def steps(
         self,
@@ -38,6 +66,7 @@ class AdaptiveRate:
         narrowest_lobe: float,
         inputs: Callable[[], Inputs],
         pace: Pace,
+        shown: Shown | None = None,
     ) -> Iterator[None]:
         """Shade the covered pixels of a G-buffer into its colour target, as `GBuffer.shade` does at the full rate.
 
@@ -46,10 +75,10 @@ class AdaptiveRate:
         program, list_program : shade.frag and shade_list.comp of passes/picture with one method
         narrowest_lobe : gamma, radians
         inputs : of both
+        shown : the pixels that show threads
         """
         self._reserve(buffer.size)
-        cover = programs(self.ctx).screen("passes/picture/adaptive_cover.frag")
-        draw_screen(cover, self._coarse, buffer.inputs(), depth="written", pixel_stride=2)
+        self._cover(buffer, None if shown is None else shown.far)
         # A coarse row has half the pixels of a row.
         for band in pace.bands(self._coarse.height, 2):
             draw_screen(
@@ -57,20 +86,65 @@ class AdaptiveRate:
                 pixel_stride=2, pass_weight=1.0, pass_cover=1.0,
             )  # fmt: skip
             yield from pace.pause(self.ctx)
-        self._list.write(np.array([0, 1, 1, 0], "u4"))
+        if shown is not None:
+            yield from self._near_terms(buffer, shown, inputs, pace)
+        limits = {"tolerance": self.tolerance, "bend_limit": BEND * narrowest_lobe, "coarse": self._color}
         fill = programs(self.ctx).screen("passes/picture/adaptive_fill.frag")
+        self._list.write(EMPTY)
+        target = buffer.target if shown is None else shown.far
+        draw_screen(fill, target, buffer.inputs(), depth="covered", Pixels=self._list, **limits)
+        self.ctx.memory_barrier()
+        yield from self._shade_list(buffer, list_program, self._list, inputs, pace)
+        if shown is None:
+            return
+        fill = programs(self.ctx).screen("passes/picture/adaptive_fill.frag", shown.defines, shown.virtual)
+        self._near_list.write(EMPTY)
         draw_screen(
-            fill, buffer.target, buffer.inputs(), depth="covered",
-            coarse=self._color, Pixels=self._list, tolerance=self.tolerance, bend_limit=BEND * narrowest_lobe,
+            fill, shown.near, buffer.inputs(), inputs(), shown.inputs(), depth="covered",
+            Pixels=self._near_list, terms=self._terms, far_depth=shown.far.depth_attachment, **limits,
         )  # fmt: skip
         self.ctx.memory_barrier()
-        values = {"Pixels": self._list, "color": buffer.color}
+        every: Callable[[], Inputs] = lambda: {**inputs(), **shown.inputs()}  # noqa: E731
+        yield from self._shade_list(buffer, shown.list_program, self._near_list, every, pace)
+
+    def _cover(self, buffer: GBuffer, part: moderngl.Framebuffer | None, clears: bool = True) -> None:
+        """Cover the coarse pixels that sample a covered pixel, of a part of the picture or of all; make all of them black."""
+        cover = programs(self.ctx).screen(
+            "passes/picture/adaptive_cover.frag", {} if part is None else {"OF_A_PART": 1}
+        )
+        inputs = buffer.inputs() if part is None else {"part_depth": part.depth_attachment}
+        self._coarse.color_mask = (clears,) * 4
+        draw_screen(cover, self._coarse, inputs, depth="written", pixel_stride=2)
+        self._coarse.color_mask = (True,) * 4
+
+    def _near_terms(self, buffer: GBuffer, shown: Shown, inputs: Callable[[], Inputs], pace: Pace) -> Iterator[None]:
+        """Shade the coarse pixels that show threads as cloth from afar, and keep the tangents' terms."""
+        if self._terms is None or self._terms.layers != shown.layers:
+            if self._terms is not None:
+                self._terms.release()
+            self._terms = self.ctx.texture_array((*self._coarse.size, shown.layers), 4, dtype="f2")
+            self._terms.filter = moderngl.LINEAR, moderngl.LINEAR
+            self._terms.repeat_x = self._terms.repeat_y = False
+        self._cover(buffer, shown.near, clears=False)
+        for band in pace.bands(self._coarse.height, 2):
+            draw_screen(
+                shown.terms_program, self._coarse, inputs(), shown.inputs(), buffer.inputs(), depth="covered", rows=band,
+                terms=self._terms,
+            )  # fmt: skip
+            yield from pace.pause(self.ctx)
+        self.ctx.memory_barrier()
+
+    def _shade_list(
+        self, buffer: GBuffer, list_program: Compute, listed: Buffer, inputs: Callable[[], Inputs], pace: Pace
+    ) -> Iterator[None]:
+        """Shade the pixels of a list."""
+        values = {"Pixels": listed, "color": buffer.color}
         most = list_program.group_size[0] * programs(self.ctx).most_groups  # that one dispatch takes
         if pace.rows is None and buffer.size[0] * buffer.size[1] <= most:
-            list_program.run_indirect(self._list, inputs(), buffer.inputs(), values, first=0)
+            list_program.run_indirect(listed, inputs(), buffer.inputs(), values, first=0)
             yield
             return
-        left, done = self.shaded(), 0
+        left, done = _length(listed), 0
         yield
         while done < left:
             rows = buffer.size[1] if pace.rows is None else pace.rows()
@@ -82,11 +156,12 @@ class AdaptiveRate:
 
     def shaded(self) -> int:
         """How many pixels the last call shaded beyond one in four."""
-        return int(np.frombuffer(self._list.read(16), "u4")[3])
+        return _length(self._list) + _length(self._near_list)
 
     def _reserve(self, size: tuple[int, int]) -> None:
         """Make the coarse picture of a size."""
-        self._list.reserve(16 + 4 * size[0] * size[1])
+        for one in (self._list, self._near_list):
+            one.reserve(16 + 4 * size[0] * size[1])
         if self._size == size:
             return
         self.release()
@@ -103,6 +178,13 @@ class AdaptiveRate:
             return
         # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
         self.ctx.detect_framebuffer(0).use()
-        for thing in (self._coarse, self._color, self._depth):
+        terms = [] if self._terms is None else [self._terms]
+        for thing in (self._coarse, self._color, self._depth, *terms):
             thing.release()
+        self._terms = None
         self._size = None
+
+
+def _length(listed: Buffer) -> int:
+    """How many pixels a list holds."""
+    return int(np.frombuffer(listed.read(16), "u4")[3])

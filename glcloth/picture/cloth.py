@@ -23,7 +23,7 @@ from ..visibility.pixels import SEEN_ALL, PixelView
 from ..visibility.probes import lift_off_facets, subdivided
 from ..visibility.sheets import Passed, sees_through
 from ..visibility.vertices import FLAT
-from .adaptive import AdaptiveRate
+from .adaptive import AdaptiveRate, Shown
 from .frame import Cloth, Frame
 from .pace import Pace
 from .surface import Surface
@@ -71,7 +71,6 @@ class ClothSurface(Surface):
         self._place(lambda: self._uploaded(drawn, cloth.mesh), drawn)
         self._take_transmission(cloth.fabric, frame)
         self.threads.prepare(cloth.fabric, self.method, self.buffers, frame)
-        self.adaptive &= not self.threads.shown  # between two pixels lie threads that neither sees
 
     def _take_transmission(self, fabric: Fabric, frame: Frame) -> None:
         """Where light passes through the fabric: how much evenly, whether straight on, and what is left to reflect."""
@@ -173,8 +172,28 @@ class ClothSurface(Surface):
         if self.adaptive_rate is None:
             self.adaptive_rate = AdaptiveRate(self.ctx)
         inputs: Callable[[], Mapping[str, Any]] = lambda: self.inputs(view)  # noqa: E731
+        shown = self._shown(buffer) if self.threads.shown else None
         yield from self.adaptive_rate.steps(
-            buffer, self.program(buffer), self.list_program, self._narrowest, inputs, pace
+            buffer, self.program(buffer), self.list_program, self._narrowest, inputs, pace, shown
         )
         if self.transmission is not None:
             self._shade_through(buffer, view, 0, 1.0, None)
+
+    def _shown(self, buffer: GBuffer) -> Shown:
+        """What the adaptive rate must know of the pixels that show threads."""
+        far, near = (self.threads.choose(buffer, which) for which in (False, True))
+        defines = self.threads.defines(self.method)
+        groups, lanes = self.method.woven_packing()
+        terms = {**self.method.defines(), "TERMS": 1, "LANE_COUNT": lanes}
+        woven = {"inputs/methods/threads.glsl": "inputs/methods/weave.glsl"}
+        virtual = {**self._virtual(), "inputs/methods/threads.glsl": "inputs/methods/terms.glsl"}
+        return Shown(
+            near,
+            far,
+            programs(self.ctx).screen("passes/picture/shade_terms.frag", terms, virtual),
+            3 * groups + 3,
+            programs(self.ctx).compute("passes/picture/shade_list.comp", defines, {**self._virtual(), **woven}),
+            defines,
+            woven,
+            lambda: self.threads.inputs(self.method, buffer),
+        )

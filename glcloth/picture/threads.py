@@ -24,7 +24,7 @@ METRES = (0.75, 1.33)  # metres a UV unit that are taken for one: such UVs are m
 class Threads:
     """The threads of one cloth.
 
-    A pixel that covers more than a repeat of the weave, and more than four yarns, shows none; `shown` says whether a
+    A pixel that covers more than half a repeat of the weave, and more than two yarns, shows none; `shown` says whether a
     frame may have others. These have a program of their own, whose mean is that of the far cloth.
     """
 
@@ -74,6 +74,7 @@ class Threads:
             "thread_uv": self._uv,
             "viewpoint": buffer.drawn.camera.viewpoint,
             "step_from_pixel": buffer.drawn.camera.step_from_pixel(buffer.size),
+            "far_footprint": self._far,
         }
 
     def choose(self, buffer: GBuffer, near: bool) -> moderngl.Framebuffer:
@@ -83,13 +84,14 @@ class Threads:
 
     def _draw(self, target: moderngl.Framebuffer, buffer: GBuffer, near: bool) -> None:
         program = programs(self.ctx).screen("passes/picture/near.frag")
-        own = {"far_footprint": self._far, "wants_near": near, "depth": buffer.depth}
+        own = {"wants_near": near, "depth": buffer.depth}
         buffer.choose(target, program, self._inputs(buffer), own)
 
     def defines(self, method: Method) -> dict[str, Any]:
         """Constants of the program for pixels that show threads, beside the method's own."""
         groups, lanes = method.woven_packing()
-        return {**method.defines(), "WEAVE": 1, "GROUPS": groups, "LANE_COUNT": lanes}
+        each = " ".join(f"F({g});" for g in range(groups))
+        return {**method.defines(), "WEAVE": 1, "GROUPS": groups, "LANE_COUNT": lanes, "EACH_GROUP(F)": each}
 
     def inputs(self, method: Method, buffer: GBuffer) -> dict[str, Any]:
         """What that program reads, beside the method's inputs."""

@@ -29,8 +29,8 @@ def taps_and_level(x, y, most):
     """(taps, level) of a map where a pixel has sides x and y, in texels.   [own]"""
     a, b = (np.linalg.norm(np.asarray(v, float), axis=-1) for v in (x, y))
     longer, shorter = np.maximum(a, b), np.maximum(np.minimum(a, b), 1.0)
-    taps = np.clip(np.ceil(longer / shorter - 0.1), 1.0, most)
-    return np.stack([taps, np.log2(np.maximum(longer / taps, shorter))], -1)
+    taps = np.clip(np.ceil(longer / shorter - 0.5), 1.0, most)
+    return np.stack([taps, 0.5 * np.log2(shorter * np.maximum(longer / taps, shorter))], -1)
 
 
 def lean(omega):

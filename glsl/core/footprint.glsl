@@ -23,8 +23,8 @@ vec2 uv_step(vec3 way, vec3 to_b, vec3 to_c, vec2 uv_b, vec2 uv_c) {
 vec2 taps_and_level(vec2 x, vec2 y, float most) {
     float a = length(x), b = length(y);
     float longer = max(a, b), shorter = max(min(a, b), 1.0);
-    float taps = clamp(ceil(longer / shorter - 0.1), 1.0, most);
-    return vec2(taps, log2(max(longer / taps, shorter)));
+    float taps = clamp(ceil(longer / shorter - 0.5), 1.0, most);
+    return vec2(taps, 0.5 * log2(shorter * max(longer / taps, shorter)));
 }
 
 // How far the sides of warp and weft, across v and across u, turn to light from omega: -1..1.   [own, facts-weave 3]

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from glcloth.color import luminance
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
@@ -101,6 +102,28 @@ def test_parts_are_the_whole(renderer):
     assert np.array_equal(renderer.target.read(), whole)
 
 
+@pytest.mark.parametrize("name", ["denim_raw", "houndstooth", "charmeuse"])
+def test_adaptive_rate_shows_the_same_threads(renderer, name):
+    """Of yarns of one colour and of several, and of lobes with nodes of their own."""
+    look = {**LOOK, "fabric": load_fabric(name), "mesh": patch(load_fabric(name), 0.1), "size": (160, 120)}
+    look["camera"] = camera(35, 60, 0.006)
+    whole, fast = (renderer.render(adaptive=adaptive, **look)[..., :3] for adaptive in (False, True))
+    assert renderer.stage.cloths[0].adaptive_rate.shaded() < 0.05 * 160 * 120
+    assert whole[..., 1].std() > 0.1 * whole[..., 1].mean()
+    np.testing.assert_allclose(fast.mean((0, 1)), whole.mean((0, 1)), rtol=1e-3)
+    assert np.abs(luminance(fast - whole)).mean() < 3e-3 * luminance(whole).mean()
+
+
+def test_adaptive_rate_where_only_some_pixels_show_threads(renderer):
+    fabric = load_fabric("denim_raw")
+    look = {**LOOK, "fabric": fabric, "mesh": patch(fabric, 40.0), "size": (160, 160)}
+    look["camera"] = Camera((0.0, 0.0, 0.02), (0.0, 0.06, 0.0), (0.0, 0.0, 1.0), 60.0)
+    whole, fast = (renderer.render(adaptive=adaptive, **look) for adaptive in (False, True))
+    assert np.abs(luminance((fast - whole)[..., :3])).mean() < 5e-3 * luminance(whole[..., :3]).mean()
+    without = renderer.render(adaptive=True, **{**look, "threads": False})
+    assert np.array_equal(fast[..., 3], without[..., 3])
+
+
 def test_paper_says_that_it_shows_the_far_cloth(renderer, monkeypatch):
     said = []
     monkeypatch.setattr(threads, "warn", said.append)
@@ -160,9 +183,10 @@ def test_the_side_that_turns_to_the_light_is_brighter(renderer, axis, light):
         assert np.corrcoef(difference, -slope[where].clip(*np.quantile(slope, (0.1, 0.9))))[0, 1] > 0.3
 
 
-def test_threads_are_shown_where_they_are_asked_for(renderer):
+def test_threads_are_shown_unless_they_are_not_wanted(renderer):
     fabric = even("denim_raw")
-    look = {**LOOK, "mesh": patch(fabric), "camera": camera(30, 20), "size": (64, 64)}
-    far, near = (renderer.render(fabric=fabric, **{**look, "threads": wanted}) for wanted in (False, True))
+    look = {**LOOK, "mesh": patch(fabric), "camera": camera(30, 20, 0.008), "size": (64, 64)}
+    del look["threads"]
+    far, near = renderer.render(fabric=fabric, threads=False, **look), renderer.render(fabric=fabric, **look)
     assert np.array_equal(far, renderer.render(fabric=fabric.changed(weave=None), **look))
     assert np.abs(near - far).mean() > 0.05 * far.mean()

@@ -33,7 +33,17 @@ MAX_PHI_PAIRS = int(shared("inputs/methods/direct_lobes.glsl")[0]["MAX_PHI_PAIRS
 BROAD_BLEND = 1.1  # sharpness, from one number of directions for broad light to the next
 NO_LIGHT = 1e-5  # share of a Gaussian's mass above the horizon that is none
 # What programs are compiled for: (groups, tangents a group, with pooled nodes). The first that a fabric fits serves it.
-VARIANTS = ((1, 4, False), (1, 4, True), (2, 3, True), (2, 4, True), (4, 4, True), (8, 4, True))
+VARIANTS = (
+    (1, 4, False),
+    (1, 4, True),
+    (2, 3, True),
+    (2, 4, True),
+    (3, 4, True),
+    (4, 4, True),
+    (5, 4, True),
+    (6, 4, True),
+    (8, 4, True),
+)
 
 
 class Entry(NamedTuple):

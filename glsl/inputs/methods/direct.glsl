@@ -7,10 +7,10 @@
 #include "inputs/methods/direct_tangents.glsl"
 #include "trace/octahedron.glsl"
 #include "seen.glsl"
-#include "inputs/methods/threads.glsl"
-#ifdef WEAVE
+#if defined(WEAVE) || defined(TERMS)
 uniform vec4 slot_low[GROUPS], slot_high[GROUPS];  // share of each tangent in the tables of negative and of positive tilts
 #endif
+#include "inputs/methods/threads.glsl"
 
 // glcloth/methods/direct reads these numbers here.
 const int NODE_COLUMNS = 64;
@@ -106,7 +106,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
             vec4 rule = fetch_node(node, entry.column, entry.between);
             light_at(node_direction(entry, rule.xyz), rule.w, cos_o);
         } while (++node < entry.last);
-        L += entry.light * (exp(mean.w) * V_number(entry.V)) * IN_LIGHT(sum_tangents(), entry.xi);
+        ADD_LIGHT(entry.light * (exp(mean.w) * V_number(entry.V)), entry.xi);
         k = entry_after(k, N);
     } while (k < entry_counts.x);
     // Rules of one node, which is the mean.
@@ -115,7 +115,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
         vec4 mean = fetch_node(entry.last, entry.column, entry.between);
         EACH_GROUP(aim_group_at_node)
         light_at(node_direction(entry, mean.xyz), 1.0, cos_o);
-        L += entry.light * (exp(mean.w) * V_number(entry.V)) * IN_LIGHT(sum_tangents(), entry.xi);
+        ADD_LIGHT(entry.light * (exp(mean.w) * V_number(entry.V)), entry.xi);
         k = entry_after(k, N);
     } while (k < entry_counts.y);
     return L;
@@ -137,6 +137,9 @@ vec3 L_broad(vec3 omega_o, mat3 surface_from_world) {
         middle += (1.0 - slot_low[g] - slot_high[g]) * w;
     }
 #endif
+#ifdef TERMS
+    begin_broad();
+#endif
     int j = 0;
     do {
         vec3 omega = texelFetch(node_data, broad_nodes.x + j).xyz;
@@ -145,11 +148,22 @@ vec3 L_broad(vec3 omega_o, mat3 surface_from_world) {
         vec3 f = COLORED(textureLod(view_table, vec3(place, float(j)), 0.0) * (low.xy + side * low.zw).xxyy
             + textureLod(view_table, vec3(place, float(j + broad_nodes.y)), 0.0) * (middle.xy + side * middle.zw).xxyy
             + textureLod(view_table, vec3(place, float(j + 2 * broad_nodes.y)), 0.0) * (high.xy + side * high.zw).xxyy);
+#endif
+#ifdef TERMS
+        vec3 light = map_radiance(broad_light, omega * surface_from_world) * V_broad(omega);
+        add_broad(light, omega, textureLod(view_table, vec3(place, float(j)), 0.0),
+            textureLod(view_table, vec3(place, float(j + broad_nodes.y)), 0.0),
+            textureLod(view_table, vec3(place, float(j + 2 * broad_nodes.y)), 0.0));
 #else
+#ifndef WEAVE
         vec3 f = textureLod(view_table, vec3(place, float(j)), 0.0).rgb;
 #endif
         L += f * map_radiance(broad_light, omega * surface_from_world) * V_broad(omega);
+#endif
     } while (++j < broad_nodes.y);
+#ifdef TERMS
+    end_broad();
+#endif
     return L;
 }
 
@@ -159,7 +173,11 @@ mat3 world;  // surface_from_world
 vec3 L_pooled;
 
 void add_node(vec3 omega, SUMS weight) {
+#ifdef TERMS
+    add_pooled(map_radiance(pooled_light, omega * world) * V_broad(omega), omega, weight);
+#else
     L_pooled += COLORED(weight) * map_radiance(pooled_light, omega * world) * V_broad(omega);
+#endif
 }
 #include "inputs/methods/direct_lobes.glsl"
 
@@ -167,6 +185,13 @@ vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
     set_omega_o(omega_o);
     world = surface_from_world;
     L_pooled = vec3(0.0);
+#ifdef TERMS
+    begin_terms();
+    POOLED(visit_lobes(omega_o);)
+    L_shared(omega_o.z, surface_from_world);
+    L_broad(omega_o, surface_from_world);
+    return end_terms();
+#endif
     POOLED(visit_lobes(omega_o);)
     return L_shared(omega_o.z, surface_from_world) + L_broad(omega_o, surface_from_world) + L_pooled;
 }

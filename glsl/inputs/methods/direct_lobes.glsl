@@ -11,12 +11,15 @@ uniform samplerBuffer lobe_data;  // per pooled tangent: two texels, then rows o
 uniform ivec3 pool_counts;              // pooled tangents, their nodes in theta, their pairs in phi; at least 1 each
 uniform vec2 phi_rule[MAX_PHI_PAIRS];   // nodes > 0 and weights of a Gauss-Legendre rule on -1..1
 uniform vec2 yarn_F_0;
-#ifdef WEAVE
-#define NODE(s, v, omega) node_sums(vec2(s, v) * seen_of(int(domain.w), int(head.w), omega), first_yarn)
-vec4 node_sums(vec2 terms, bool first_yarn) { return first_yarn ? vec4(terms, 0.0, 0.0) : vec4(0.0, 0.0, terms); }
+#ifdef TERMS
+#define NODE(s, v, omega) node_sums(vec2(s, v), first_yarn)
+#elif defined(WEAVE)
+#define NODE(s, v, omega) node_sums(vec2(s, v) * seen_of(seen, first_yarn ? 0 : 1, omega), first_yarn)
 #else
 #define NODE(s, v, omega) s + A * v
 #endif
+
+vec4 node_sums(vec2 terms, bool first_yarn) { return first_yarn ? vec4(terms, 0.0, 0.0) : vec4(0.0, 0.0, terms); }
 
 void visit_lobes(vec3 omega_o) {
     int stride = 2 + pool_counts.y * LOBE_COLUMNS;
@@ -40,6 +43,9 @@ void visit_lobes(vec3 omega_o) {
         int column = min(int(place), LOBE_COLUMNS - 2);
         float between = place - float(column);
         vec3 A = first_yarn ? yarn_A[0] : yarn_A[1];
+#ifdef WEAVE
+        vec2 seen = rel_and_turn(int(domain.w));
+#endif
         int row = 0;
         do {
             int at = p * stride + 2 + row * LOBE_COLUMNS + column;
@@ -87,5 +93,8 @@ void visit_lobes(vec3 omega_o) {
                 add_node(omega_2, NODE(r_s.y, r_v.y, omega_2));
             } while (++pair < pool_counts.z);
         } while (++row < pool_counts.y);
+#ifdef TERMS
+        end_lobe(int(domain.w));
+#endif
     } while (++p < pool_counts.x);
 }

@@ -111,23 +111,21 @@ void light_group(int g, vec3 omega_i, float weight) {
 }
 
 #ifdef WEAVE
-vec4 sums, turned;  // surface and volume terms, of yarn 0 and of yarn 1: times rel, and times turn
+vec4 sums;  // surface and volume terms, of yarn 0 and of yarn 1
 
-vec4 sums_of_group(int g, vec4 factor) {
-    vec4 s = surface[g] * slot_surface[g] * factor, v = volume[g] * factor;
+void sum_group(int g, vec2 side) {
+    vec4 seen = rel[g] + of_yarn(g, side) * turn[g];
+    vec4 s = surface[g] * slot_surface[g] * seen, v = volume[g] * seen;
     float of_weft = dot(s, slot_yarn[g]);
-    return vec4(dot(s, vec4(1.0)) - of_weft, dot(v, slot_volume_0[g]), of_weft, dot(v, slot_volume_1[g]));
+    sums += vec4(dot(s, vec4(1.0)) - of_weft, dot(v, slot_volume_0[g]), of_weft, dot(v, slot_volume_1[g]));
 }
 
-void sum_group(int g) {
-    sums += sums_of_group(g, rel[g]);
-    turned += sums_of_group(g, turn[g]);
-}
-
-// The sums over the tangents of what `light_group` added; the yarns' colours are still to come.
-vec4 sum_tangents() {
-    sums = turned = vec4(0.0);
-    EACH_GROUP(sum_group)
+// The sums over the tangents of what `light_group` added, in light that leans on warp and weft; the yarns' colours are still
+// to come.
+vec4 sum_tangents(vec2 side) {
+    sums = vec4(0.0);
+#define SUM_GROUP(g) sum_group(g, side)
+    EACH_GROUP(SUM_GROUP)
     return sums;
 }
 #else
@@ -138,7 +136,7 @@ void sum_group(int g) {
 }
 
 // The sum over the tangents of what `light_group` added.
-vec3 sum_tangents() {
+vec3 sum_tangents(vec2 side) {
     sums = vec3(0.0);
     EACH_GROUP(sum_group)
     return sums.x + yarn_A[0] * sums.y + yarn_A[1] * sums.z;

@@ -4,15 +4,17 @@
 #include "inputs/methods/rel.glsl"
 #include "inputs/picture/pixel_uv.glsl"
 #define SUMS vec4
-#define IN_LIGHT(sums, omega) woven(sums + lean(omega).xxyy * turned)
+#define ADD_LIGHT(light, omega) L += (light) * woven(sum_tangents(lean(omega)))
 #define COLORED(sums) woven(sums)
 
-const float MOST_TAPS = 8.0;
+// A uniform: compilers unroll a loop whose limit they can tell, and a software rasteriser then runs all its rounds.
+uniform float most_taps;
 uniform sampler2DArray weave_map;    // GROUPS layers of rel, then of turn
 uniform sampler2DArray color_map;    // of warp and of weft: colour times share, share
 uniform bool colored;                // whether threads have colours of their own
 uniform vec2 weave_repeats, color_repeats;  // 1/m, along u and v
 uniform vec3 weave_A[2];
+uniform float far_footprint;  // metres of cloth, the shorter side of a pixel from which on it shows no threads
 
 uniform sampler2D noise_map;
 uniform vec2 yarns;       // picks and ends of a metre
@@ -27,7 +29,7 @@ void fetch_colors(PixelUv at) {
     pixel_A[1] = weave_A[1];
     if (!colored) return;
     vec2 x = at.x * color_repeats, y = at.y * color_repeats, size = vec2(textureSize(color_map, 0).xy);
-    vec2 taps = taps_and_level(x * size, y * size, MOST_TAPS);
+    vec2 taps = taps_and_level(x * size, y * size, most_taps);
     vec2 way = dot(x * size, x * size) > dot(y * size, y * size) ? x : y;
     vec4 warp = vec4(0.0), weft = vec4(0.0);
     float tap = 0.0;
@@ -70,18 +72,25 @@ PixelUv wandered(PixelUv at) {
 void fetch_weave(ivec2 pixel) {
     PixelUv at = wandered(pixel_uv(pixel));
     vec2 x = at.x * weave_repeats, y = at.y * weave_repeats, size = vec2(textureSize(weave_map, 0).xy);
-    vec2 taps = taps_and_level(x * size, y * size, MOST_TAPS);
+    vec2 taps = taps_and_level(x * size, y * size, most_taps);
     vec2 way = dot(x * size, x * size) > dot(y * size, y * size) ? x : y;
-    for (int g = 0; g < GROUPS; ++g) rel[g] = turn[g] = vec4(0.0);
-    float tap = 0.0;
+#define NO_REL(g) rel[g] = turn[g] = vec4(0.0);
+#define ADD_REL(g) rel[g] += textureLod(weave_map, vec3(place, float(g)), taps.y); \
+    turn[g] += textureLod(weave_map, vec3(place, float(g + GROUPS)), taps.y);
+#define MEAN_REL(g) rel[g] = mix(vec4(1.0), share * rel[g], seen); turn[g] *= seen * share;
+    EACH_GROUP(NO_REL)
+    float tap = 0.0, share = 1.0 / taps.x;
     do {
-        vec2 place = at.uv * weave_repeats + way * ((tap + 0.5) / taps.x - 0.5);
-        for (int g = 0; g < GROUPS; ++g) {
-            rel[g] += textureLod(weave_map, vec3(place, float(g)), taps.y) / taps.x;
-            turn[g] += textureLod(weave_map, vec3(place, float(g + GROUPS)), taps.y) / taps.x;
-        }
+        vec2 place = at.uv * weave_repeats + way * ((tap + 0.5) * share - 0.5);
+        EACH_GROUP(ADD_REL)
     } while (++tap < taps.x);
+    // What a picture's pixels are too coarse to draw would only make patterns of its own.
+    float seen = clamp(2.5 - 2.5 * min(length(at.x), length(at.y)) / far_footprint, 0.0, 1.0);
+    EACH_GROUP(MEAN_REL)
+    strands = mix(vec4(1.0), strands, seen);
     fetch_colors(at);
+    pixel_A[0] = mix(weave_A[0], pixel_A[0], seen);
+    pixel_A[1] = mix(weave_A[1], pixel_A[1], seen);
 }
 
 // The colour of sums of surface and volume terms, of warp and of weft.

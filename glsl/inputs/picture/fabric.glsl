@@ -46,7 +46,7 @@ vec3 f_cloth(vec3 omega_i, vec3 omega_o) {
         vec3 terms = tangent_terms(i, o, tangent.weight, eta, k_d, gamma_s, gamma_v, sigma_mask);
         Q += tangent.share * terms.x;
 #ifdef WEAVE
-        terms.yz *= seen_of(t, j, omega_i);
+        terms.yz *= seen_of(rel_and_turn(t), j, omega_i);
 #endif
         terms_1 += j == 0 ? terms.yz : vec2(0.0);
         terms_2 += j == 0 ? vec2(0.0) : terms.yz;

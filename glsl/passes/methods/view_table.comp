@@ -62,7 +62,7 @@ void visit_fixed(float cos_o) {
         EACH_GROUP(CLEAR)
         EACH_GROUP(LIGHT_FIXED)
         int at = fixed_count + 4 * (n * block_count + block);
-        add(sum_tangents(), texelFetch(fixed_nodes, at), texelFetch(fixed_nodes, at + 1), texelFetch(fixed_nodes, at + 2),
+        add(sum_tangents(vec2(0.0)), texelFetch(fixed_nodes, at), texelFetch(fixed_nodes, at + 1), texelFetch(fixed_nodes, at + 2),
             texelFetch(fixed_nodes, at + 3));
     } while (++n < fixed_count);
 }

@@ -11,6 +11,37 @@ layout(std430) buffer Pixels {
 uniform float tolerance;   // estimated relative error of luminance above which a pixel is shaded itself
 uniform float bend_limit;  // sine of the angle between neighbours' normals above which a lobe could hide between them
 out vec4 color;
+#ifdef WEAVE
+// Where pixels show threads: what each tangent adds varies as slowly as cloth from afar, so it is that which is interpolated.
+#include "inputs/methods/weave.glsl"
+uniform sampler2DArray terms;  // of passes/picture/shade_terms.frag
+uniform sampler2D far_depth;  // 1 where a pixel shows threads, or is not covered
+uniform vec4 slot_yarn[GROUPS];
+
+bool has_terms(ivec2 coarse_pixel) {
+    return texelFetch(far_depth, min(2 * coarse_pixel, textureSize(far_depth, 0) - 1), 0).r == 1.0;
+}
+
+// By how much threads differ from cloth from afar; its mean over the cloth is 0.
+vec3 of_threads(ivec2 pixel) {
+    fetch_weave(pixel);
+    vec2 at = (0.5 * vec2(pixel) + 0.5) / vec2(textureSize(terms, 0).xy);
+#define TERM(layer) textureLod(terms, vec3(at, float(layer)), 0.0)
+    mat4x3 light = transpose(mat3x4(TERM(3 * GROUPS), TERM(3 * GROUPS + 1), TERM(3 * GROUPS + 2)));
+    vec4 near = vec4(0.0), far = vec4(0.0);  // surface and volume of warp, of weft
+#define ADD_SEEN(g) { \
+    vec4 s = TERM(g), v = TERM(g + GROUPS), weft = slot_yarn[g], warp = 1.0 - weft; \
+    far += vec4(dot(s, warp), dot(v, warp), dot(s, weft), dot(v, weft)); \
+    vec4 seen = rel[g] + TERM(g + 2 * GROUPS) * turn[g]; \
+    s *= seen; \
+    v *= seen; \
+    near += vec4(dot(s, warp), dot(v, warp), dot(s, weft), dot(v, weft)); }
+    EACH_GROUP(ADD_SEEN)
+    near *= strands;
+    return light[0] * (near.x - far.x) + light[1] * (pixel_A[0] * near.y - weave_A[0] * far.y)
+        + light[2] * (near.z - far.z) + light[3] * (pixel_A[1] * near.w - weave_A[1] * far.w);
+}
+#endif
 
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
@@ -58,6 +89,10 @@ void main() {
     float apart = abs(dot(first.rgb - second.rgb, LUMINANCE));
     bool good = min(first.a, second.a) > 0.0 && apart <= 4.0 * tolerance * dot(mean.rgb, LUMINANCE);
     color = exact ? coarse_at(low) : vec4(mean.rgb, first.a);
+#ifdef WEAVE
+    good = good && has_terms(low) && has_terms(low + odd) && has_terms(low + ivec2(odd.x, 0)) && has_terms(low + ivec2(0, odd.y));
+    color.rgb = max(color.rgb + of_threads(pixel), 0.0);
+#endif
     if (!exact && !good) {
         uint i = atomicAdd(count, 1u);
         if ((i & 63u) == 0u) atomicAdd(groups.x, 1u);
