@@ -20,6 +20,7 @@ _PUBLIC = {
     "Scene": "scene",
     "SphericalGaussians": "light.lights",
     "Suns": "light.lights",
+    "View": "scene",
     "Weave": "weave.model",
     "Yarn": "fabric",
     "fit_lights": "light.fit",

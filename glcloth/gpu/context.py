@@ -155,7 +155,7 @@ def _try(index: int, tried: list[str], what: str | None = None) -> moderngl.Cont
         settings: dict[str, Any] = {"backend": "egl", "device_index": index}
         ctx = moderngl.create_context(require=REQUIRED, standalone=True, **settings)
         _used_by.add(os.getpid())
-        moderngl._store.default_context = None  # where moderngl would keep it for ever
+        vars(moderngl)["_store"].default_context = None  # where moderngl would keep it for ever
         # What lives on a context holds it and is held by it, so this happens when Python collects circles.
         weakref.finalize(ctx, _free, ctx.mglo, os.getpid()).atexit = False
         return ctx

@@ -197,8 +197,8 @@ def default_camera(mesh: Mesh, scene: Scene) -> Camera:
     points = mesh.positions + np.array(mesh.origin) if far else mesh.positions
     named = view_by_name(view.view, points, aspect, angle, view.ortho, scene.mesh)
     if far:
-        moved = {name: tuple(np.subtract(getattr(named, name), mesh.origin)) for name in ("eye", "target")}
-        named = replace(named, **moved)
+        eye, target = (tuple(np.subtract(point, mesh.origin)) for point in (named.eye, named.target))
+        named = replace(named, eye=eye, target=target)
     return view.over(named)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..cryptomatte import channels, metadata, ranked
 from ..errors import InputError
+from ..geometry.camera import Camera
 from ..gpu.gbuffer import GBuffer
 
 if TYPE_CHECKING:
@@ -100,27 +101,19 @@ class Gathering:
 
     # -- while it is drawn -------------------------------------------------------------------------------------------
 
-    def see(self, target: Target, surfaces: Sequence[Surface], camera, number: int) -> None:
+    def see(self, target: Target, surfaces: Sequence[Surface], camera: Camera, number: int) -> None:
         """Take sample `number` of all pixels."""
         cloths = len(self.frame.cloths)
         for place, surface in enumerate(surfaces):
             seen = _seen(target.part(surface).buffer, surface.shown_triangles)
             if not len(seen.rows):
                 continue
-            mesh = surface.mesh
-            corners = mesh.triangles[seen.triangles]
-            x = (np.asarray(mesh.positions, float)[corners] * seen.weights[..., None]).sum(1)
+            x = _interpolated(surface.mesh.positions, surface.mesh.triangles[seen.triangles], seen.weights)
             if number == 0 and "depth" in self.names:
                 self._depth[seen.rows, seen.columns] = (x - camera.eye) @ camera.axes[2]
-            values = {
-                "normal": lambda seen=seen: seen.normals,
-                "position": lambda x=x: x,
-                "uv": lambda c=corners, m=mesh, s=seen: _interpolated(m.uv, c, s.weights),
-                "albedo": lambda surface=surface, seen=seen: surface.albedo_at(seen.triangles),
-                "mask": lambda place=place: float(place < cloths),
-            }
             for name, total in self._sums.items():
-                total[seen.rows, seen.columns] += np.reshape(values[name](), (-1, total.shape[-1])) / self._samples
+                value = x if name == "position" else _value(name, surface, seen, place < cloths)
+                total[seen.rows, seen.columns] += np.reshape(value, (-1, total.shape[-1])) / self._samples
             if "cryptomatte" in self.names:
                 self._cover(seen, surface.identities(self.frame, place))
 
@@ -186,6 +179,16 @@ def _seen(buffer: GBuffer, triangles: int) -> _Seen:
     if (p[..., 3] >= triangles).any():
         N = np.where(p[..., 3:] < triangles, N, 0.0)
     return _Seen(N, p, read("frame_b"))
+
+
+def _value(name: str, surface: Surface, seen: _Seen, is_cloth: bool) -> np.ndarray:
+    """A layer where the pixels see a surface: [N, n], or one for all."""
+    if name == "normal":
+        return seen.normals
+    if name == "uv":
+        mesh = surface.mesh
+        return _interpolated(mesh.uv, mesh.triangles[seen.triangles], seen.weights)
+    return surface.albedo_at(seen.triangles) if name == "albedo" else np.array(float(is_cloth))
 
 
 def _interpolated(values: np.ndarray | None, corners: np.ndarray, weights: np.ndarray) -> np.ndarray:

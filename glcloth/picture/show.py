@@ -35,7 +35,7 @@ def show(scene: Scene | str | np.ndarray | None = None, **changes: Any) -> None:
             picture = renderer.render(scene, **changes)
     png = picture._repr_png_()
     if png is None:
-        raise InputError(f"show: an array of shape {scene.shape}, expected floats [H, W, 3] or [H, W, 4]")
+        raise InputError(f"show: an array of shape {picture.shape}, expected floats [H, W, 3] or [H, W, 4]")
     if (display := _notebook()) is not None:
         display(picture)
         return

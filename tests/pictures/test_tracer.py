@@ -8,7 +8,7 @@ import slow_tracer
 from glcloth.accel.triangles import Triangles
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
-from glcloth.geometry.camera import Camera
+from glcloth.geometry.camera import Camera, lens_samples, sample_offsets
 from glcloth.gpu.buffers import Staging
 from glcloth.gpu.context_local import of_context
 from glcloth.gpu.programs import programs
@@ -143,6 +143,25 @@ def test_point_lamp_on_a_floor(tracer):
     r = lamp - p
     r_2 = (r**2).sum(-1)
     np.testing.assert_allclose(got[..., 0], 0.5 / np.pi * r[..., 1] / r_2**1.5, rtol=2e-4)
+
+
+@pytest.mark.parametrize("spp", [1, 8])
+@pytest.mark.parametrize("ortho", [None, 3.0])
+def test_parallel_rays_and_a_lens_meet_the_floor_where_they_should(tracer, ortho, spp):
+    """The mean over the samples of the lamp's light where each ray meets the floor."""
+    lamp, size = np.array([0.5, 2.0, 1.0]), (16, 8)
+    camera = Camera((0, 3, 6), (0, 0, 2), fov_deg=30, ortho=ortho, aperture=0.6, focus=3.0)
+    lighting = Lighting(Lamp(tuple(lamp), WHITE), DARK, DARK)
+    got = view(tracer, [(floor(0), 1)], size, lighting=lighting, camera=camera, spp=spp)
+    expected = []
+    for one, offset in zip(lens_samples(camera, spp), sample_offsets(spp), strict=True):
+        x, y = np.meshgrid(np.arange(size[0]) + 0.5, size[1] - 0.5 - np.arange(size[1]))
+        at = np.stack([x, y, np.ones_like(x)], -1)
+        o, d = at @ one.origin_from_pixel(size, offset).T, at @ one.ray_from_pixel(size, offset).T
+        r = lamp - (o - d * (o[..., 1:2] / d[..., 1:2]))
+        expected.append(0.5 / np.pi * r[..., 1] / (r**2).sum(-1) ** 1.5)
+    np.testing.assert_allclose(got[..., 0], np.mean(expected, 0), rtol=3e-4)
+    assert spp == 1 or np.ptp(expected, 0).max() > 0.05 * np.max(expected)
 
 
 def test_cloth_lit_from_behind(tracer):

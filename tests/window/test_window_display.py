@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from glcloth.color import VIEW_TRANSFORMS, srgb_encode, view
+from glcloth.ocio import OcioView
 from glcloth.window.pictures import Side
 from glcloth.window.screen import Look, Screen
 
@@ -67,6 +68,26 @@ def test_every_view_transform_is_that_of_color_py(ctx, screen, transform, exposu
     # Eight bits round to half a code; float32 moves a value across that line now and then.
     assert np.abs(got - expected).max() <= 0.52
     assert (got == np.round(expected)).mean() > 0.999
+    one.texture.release()
+
+
+def test_a_view_of_a_config_is_read_from_its_table(ctx, screen):
+    """Grid colours are exact; between them the table is linear in stops, and so is this view."""
+
+    class Stops:
+        def __call__(self, rgb):
+            return np.clip((np.log2(np.maximum(rgb, 1e-9)) + 12) / 20, 0.0, 1.0) * (1.0, 0.5, 0.25)
+
+        @property
+        def lut(self):
+            return OcioView.lut.func(self)
+
+    stops = Stops()
+    rgb = np.exp2(np.random.default_rng(0).uniform(-9, 7, (32, 32, 3)))
+    one = side(ctx, np.concatenate([rgb, np.ones((32, 32, 1))], -1))
+    got = shown(screen, [one], Look(0.5, stops))
+    assert np.abs(got - 255 * view(rgb.astype("f4"), stops, 0.5)).max() <= 1.5
+    assert np.abs(shown(screen, [one], Look(0.5, "agx")) - 255 * view(rgb.astype("f4"), "agx", 0.5)).max() <= 0.52
     one.texture.release()
 
 
