@@ -123,3 +123,55 @@ def test_a_sun_through_cloth_lights_the_ground(renderer):
     )  # fmt: skip
     T = straight(t, np.array([0, 0, 1.0])) @ [0.2126, 0.7152, 0.0722]
     np.testing.assert_allclose(got.mean((0, 1)), T / np.pi, rtol=0.02)
+
+
+def folds():
+    """A curtain's folds, lit and seen from both sides."""
+    positions, triangles, uv, _ = shapes.plane(1.0, 24)
+    x, y = positions[:, 0], positions[:, 1]
+    positions[:, 2] = 0.08 * np.sin(14 * x + 0.6 * y) * (1.2 - y) + 0.05 * np.sin(5 * y)
+    return build_mesh("folds", positions, triangles, uv)
+
+
+@pytest.mark.parametrize("bounce", [False, True])
+def test_direct_is_the_reference(renderer, bounce):
+    """Folds before and behind each other, a sun behind them, most of the light through cloth."""
+    lights = Lights(
+        SphericalGaussians([[0.1, 0.9, -0.4], [0.5, 0.3, -0.8]], [1.5, 8.0], [[0.5, 0.55, 0.6], [1.2, 1.0, 0.8]]),
+        Suns([[-0.3, 0.5, -0.8]], [[1.5, 1.4, 1.2]]),
+    )
+    scene = dict(mesh=folds(), lights=lights, fabric="sheer_voile", size=(32, 24), bounce=bounce, environment=WHITE)
+    direct, reference = (renderer.render(method=method, cube=8, **scene) for method in ("direct", "reference"))
+    covered = renderer.gbuffer.covered()
+    Y = reference[covered].mean(-1)
+    error = direct[covered].mean(-1) - Y
+    limits = (0.03, 0.02) if bounce else (0.02, 0.01)
+    assert np.abs(error).mean() < limits[0] * Y.mean() and abs(error.mean()) < limits[1] * Y.mean()
+
+
+def test_layers_of_light(renderer):
+    """What comes through is a layer of the picture; all layers are the picture; a fabric without has none, and no memory."""
+    scene = dict(mesh=sheets(0.0), camera=camera(), lights=EVEN, environment=WHITE, size=SIZE)
+    out = renderer.render(fabric="sheer_voile", aovs="direct,bounce,transmission,background", **scene)
+    t, o = load_fabric("sheer_voile").transmission, omega(0)
+    np.testing.assert_allclose(out["transmission"][3, 4], straight(t, o) + even(t, o), rtol=0.01)
+    whole = sum(out[name] for name in ("direct", "bounce", "transmission", "background"))
+    np.testing.assert_allclose(whole, out["beauty"], atol=1e-5)
+    assert renderer.target.layered
+    renderer.render(fabric="linen", **scene)
+    sheer = renderer.render(fabric="sheer_voile", **scene)
+    assert renderer.target.layered
+    np.testing.assert_array_equal(renderer.render(fabric="sheer_voile", **scene), sheer)
+    renderer.render(fabric="linen", **scene)
+    assert not renderer.target.layered
+
+
+def test_the_adaptive_rate_and_steps_see_through(renderer):
+    scene = dict(mesh=folds(), lights=EVEN, fabric="linen_curtain", size=(48, 36), environment=WHITE)
+    full = renderer.render(**scene)
+    adaptive = renderer.render(adaptive=True, **scene)
+    assert np.abs(adaptive - full).mean() < 0.01 * full.mean()
+    frame = renderer.prepare(**scene)
+    for _ in renderer.steps(frame, rows=lambda: 7):
+        pass
+    np.testing.assert_array_equal(renderer.target.read()[..., :3], full)
