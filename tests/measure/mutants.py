@@ -18,21 +18,55 @@ from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-TWINS = "tests/twins/test_twins.py"
 # Room: its files, and the tests that know it.
 ROOMS = {
-    "fibre": ("glsl/core/*.glsl glsl/fibre/*.glsl", f"{TWINS} tests/twins/test_truth.py"),
-    "gaussians": ("glsl/sg/*.glsl", f"{TWINS} tests/twins/test_sg_truth.py"),
-    "direct": ("glsl/direct/*.glsl glsl/inputs/methods/direct*.glsl glcloth/methods/direct/*.py", f"{TWINS} tests/pictures/test_direct.py"),
-    "woven": ("glsl/woven/*.glsl", f"{TWINS} tests/twins/test_woven.py"),
-    "accel": ("glsl/trace/*.glsl glsl/inputs/accel/*.glsl glsl/passes/accel/*.comp", f"{TWINS} tests/structures/test_accel.py tests/structures/test_structures.py"),
-    "tracing": ("glsl/passes/tracing/*.comp glsl/inputs/tracing/*.glsl glcloth/tracing/*.py", "tests/pictures/test_tracer.py tests/pictures/test_curtain_views.py"),
-    "simulation": ("glsl/simulate/*.glsl glsl/passes/simulation/*.comp glcloth/simulation/cloth.py", f"{TWINS} tests/structures/test_simulation.py tests/structures/test_curtain_cloth.py"),
-    "images": ("glcloth/image.py glcloth/color.py glcloth/metrics.py", "tests/values/test_image.py tests/doors/test_doors.py"),
-    "cameras": ("glcloth/geometry/camera.py glcloth/picture/sequence.py", "tests/pictures/test_planted.py tests/pictures/test_pictures.py tests/doors/test_doors.py"),
-    "light": ("glcloth/light/equirect.py glcloth/light/suns.py glcloth/light/harmonics.py glcloth/light/fit.py glcloth/light/lights.py", "tests/values/test_environment.py tests/values/test_harmonics.py tests/values/test_fit.py tests/pictures/test_planted.py"),
-    "visibility": ("glsl/passes/visibility/*.comp glsl/inputs/visibility/*.glsl glcloth/visibility/*.py", "tests/pictures/test_planted.py tests/pictures/test_shadows.py tests/pictures/test_solids.py"),
-}  # fmt: skip
+    "fibre": (
+        "glsl/core/*.glsl glsl/fibre/*.glsl",
+        "tests/twins/test_twins.py tests/twins/test_truth.py",
+    ),
+    "gaussians": (
+        "glsl/sg/*.glsl",
+        "tests/twins/test_twins.py tests/twins/test_sg_truth.py",
+    ),
+    "direct": (
+        "glsl/direct/*.glsl glsl/inputs/methods/direct*.glsl glcloth/methods/direct/*.py",
+        "tests/twins/test_twins.py tests/pictures/test_direct.py",
+    ),
+    "woven": (
+        "glsl/woven/*.glsl",
+        "tests/twins/test_twins.py tests/twins/test_woven.py",
+    ),
+    "accel": (
+        "glsl/trace/*.glsl glsl/inputs/accel/*.glsl glsl/passes/accel/*.comp",
+        "tests/twins/test_twins.py tests/structures/test_accel.py tests/structures/test_structures.py",
+    ),
+    "tracing": (
+        "glsl/passes/tracing/*.comp glsl/inputs/tracing/*.glsl glcloth/tracing/*.py",
+        "tests/pictures/test_tracer.py tests/pictures/test_curtain_views.py",
+    ),
+    "simulation": (
+        "glsl/simulate/*.glsl glsl/passes/simulation/*.comp glcloth/simulation/cloth.py",
+        "tests/twins/test_twins.py tests/structures/test_simulation.py tests/structures/test_curtain_cloth.py",
+    ),
+    "images": (
+        "glcloth/image.py glcloth/color.py glcloth/metrics.py",
+        "tests/values/test_image.py tests/doors/test_doors.py",
+    ),
+    "cameras": (
+        "glcloth/geometry/camera.py glcloth/picture/sequence.py",
+        "tests/pictures/test_planted.py tests/pictures/test_pictures.py tests/doors/test_doors.py",
+    ),
+    "light": (
+        "glcloth/light/equirect.py glcloth/light/suns.py glcloth/light/harmonics.py glcloth/light/fit.py "
+        "glcloth/light/lights.py",
+        "tests/values/test_environment.py tests/values/test_harmonics.py tests/values/test_fit.py "
+        "tests/pictures/test_planted.py",
+    ),
+    "visibility": (
+        "glsl/passes/visibility/*.comp glsl/inputs/visibility/*.glsl glcloth/visibility/*.py",
+        "tests/pictures/test_planted.py tests/pictures/test_shadows.py tests/pictures/test_solids.py",
+    ),
+}
 # What is found, and what stands there instead.
 OPERATORS = [
     (r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" < ", " > "), (r" > ", " < "), (r" <= ", " < "), (r" >= ", " > "),
