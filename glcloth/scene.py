@@ -223,8 +223,8 @@ class Scene(Value):
     display: str = option("", "display of the config; none: its default", default="")
     ocio_view: str = option("", "view of that display; none: its default", default="")
     background: bool = cloth("", "show the environment behind the cloth", default=True)
-    accelerator: Literal["kdtree", "lbvh", "brute"] = curtain(
-        "", "what rays are traced through; all give the same picture", default="kdtree")
+    accelerator: Literal["kdtree", "kdtree_median", "lbvh", "brute"] = curtain(
+        "", "what rays are traced through; all give the same picture; median: large nodes cut as in paper B", default="kdtree")
     depth: int = curtain("", "generations of rays: through the cloth and mirrored by it", default=4, ge=1, le=8)
     room: str = curtain("", "OBJ file of the room; none: built in", default="", file=True)
     spread: bool = curtain(
