@@ -15,7 +15,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from .errors import InputError, short
 from .fields import Value, about
-from .files import PACKAGE, atomic_write, read_toml
+from .files import PACKAGE, atomic_write, path_of, read_toml
 from .progress import warn
 from .weave.model import Weave
 from .weave.others import is_draft
@@ -418,7 +418,7 @@ def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
     if isinstance(name_or_path, Fabric):
         return name_or_path
     text = str(name_or_path)
-    path = Path(text)
+    path = path_of(text)
     if is_draft(text):
         from .weave.wif import load_draft
 

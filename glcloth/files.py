@@ -28,6 +28,22 @@ def cache_dir() -> Path:
     return Path(os.environ.get("GLCLOTH_CACHE") or platformdirs.user_cache_dir("glcloth", appauthor=False))
 
 
+def path_of(name: str | Path) -> Path:
+    """The path that a name of the user means. Raises InputError for one that no file can have."""
+    path = Path(name)
+    if "\0" in str(name) or any(len(part.encode("utf-8", "replace")) > 255 for part in path.parts):
+        raise InputError(f"{name}: no file can have such a name; expected a file or a built-in name")
+    return path
+
+
+def is_file(name: str | Path) -> bool:
+    """Whether there is a file of that name; False also for a name that no file can have."""
+    try:
+        return Path(name).is_file()
+    except OSError:
+        return False
+
+
 def check_writable(path: str | Path) -> Path:
     """Return `path` if a file can be made there, so that a long job fails before it starts.
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from .color import Transform, srgb_decode, view
 from .errors import InputError
-from .files import MOST_TEXT, atomic_write, check_writable, read_bytes, read_json
+from .files import MOST_TEXT, atomic_write, check_writable, path_of, read_bytes, read_json
 from .formats.common import broken, check_pixels, silence
 from .formats.exr import open_exr, read_exr
 from .formats.radiance import read_radiance
@@ -171,7 +171,7 @@ def _plain(value):
 
 
 def _existing(path: str | Path, suffixes: tuple[str, ...]) -> Path:
-    path = Path(path)
+    path = path_of(path)
     if path.is_dir():
         raise InputError(f"{path}: is a folder, expected a picture ({', '.join(suffixes)})")
     if not path.is_file():

@@ -20,7 +20,7 @@ from .color import Transform
 from .errors import InputError, short
 from .fabric import Fabric
 from .fields import Value, about, entries
-from .files import PACKAGE, atomic_write, read_toml
+from .files import PACKAGE, atomic_write, is_file, path_of, read_toml
 from .ocio import ocio_view
 
 if TYPE_CHECKING:
@@ -223,12 +223,12 @@ class Scene(Value):
     display: str = option("", "display of the config; none: its default", default="")
     ocio_view: str = option("", "view of that display; none: its default", default="")
     background: bool = cloth("", "show the environment behind the cloth", default=True)
-    accelerator: Literal["kdtree", "lbvh", "brute"] = curtain(
-        "", "what rays are traced through; all give the same picture", default="kdtree")
+    accelerator: Literal["kdtree", "kdtree_median", "lbvh", "brute"] = curtain(
+        "", "what rays are traced through; all give the same picture; median: large nodes cut as in paper B", default="kdtree")
     depth: int = curtain("", "generations of rays: through the cloth and mirrored by it", default=4, ge=1, le=8)
     room: str = curtain("", "OBJ file of the room; none: built in", default="", file=True)
     spread: bool = curtain(
-        "", "blur what is seen through the yarns; needs many samples per pixel", default=False, option=False)
+        "", "blur what is seen through the yarns; needs many samples per pixel", default=False)
     cutoff: float = curtain("", "share of the light below which a ray ends", default=1e-3, ge=0, lt=1, option=False)
     lamp_position: Vec3 = curtain(
         "m", "the lamp outside the window, x y z; +y up, the window at z = 0", default=(1.6, 3.6, -5.0), slider=(-12.0, 12.0),
@@ -391,7 +391,7 @@ def kind_of(name: str) -> Kind | Literal[""]:
 
 
 def _whole(name: Any) -> Any:
-    return str(Path(name).resolve()) if isinstance(name, str) and name and Path(name).is_file() else name
+    return str(Path(name).resolve()) if isinstance(name, str) and name and is_file(name) else name
 
 
 def builtin_scenes() -> list[str]:
@@ -406,7 +406,7 @@ def load_scene(name_or_path: str | Path | Scene) -> Scene:
     """
     if isinstance(name_or_path, Scene):
         return name_or_path
-    text, path = str(name_or_path), Path(name_or_path)
+    text, path = str(name_or_path), path_of(name_or_path)
     if path.suffix.lower() in (".exr", ".png"):
         return Scene.parse(_of_picture(path), text)
     if path.suffix != ".toml":

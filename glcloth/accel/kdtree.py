@@ -56,6 +56,7 @@ class KdTree:
 
     source = "inputs/accel/kdtree.glsl"
     ordered_hits = True
+    spatial_median = False  # whether large nodes are cut in the middle of their longest side, not where it costs least
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
@@ -142,7 +143,7 @@ class KdTree:
             self._run(
                 "passes/accel/kdtree_divide.comp", active, level=level, small_size=SMALL_SIZE,
                 node_capacity=self._capacity["node"], ref_capacity=refs, next_base=refs * ((level + 1) % 2),
-                small_base=2 * refs, **shares,
+                small_base=2 * refs, spatial_median=self.spatial_median, **shares,
             )  # fmt: skip
             self._run("passes/accel/kdtree_scatter.comp", active * lanes, padding=padding, **shares)
             active, level = self._next_level(generations), level + 1
@@ -277,3 +278,9 @@ class KdTree:
         """Free the GPU's memory."""
         for thing in (*set(self._buffers.values()), self._counters):
             thing.release()
+
+
+class MedianKdTree(KdTree):
+    """As paper B and Zhou et al. 2008 have it: large nodes are cut at the spatial median."""
+
+    spatial_median = True

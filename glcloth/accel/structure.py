@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import InputError
 from .brute import Brute
-from .kdtree import KdTree
+from .kdtree import KdTree, MedianKdTree
 from .lbvh import Lbvh
 from .triangles import Triangles
 
@@ -59,7 +59,12 @@ class Structure(Protocol):
         """Free the GPU's memory."""
 
 
-STRUCTURES: dict[str, type[KdTree | Lbvh | Brute]] = {"kdtree": KdTree, "lbvh": Lbvh, "brute": Brute}
+STRUCTURES: dict[str, type[KdTree | Lbvh | Brute]] = {
+    "kdtree": KdTree,
+    "kdtree_median": MedianKdTree,
+    "lbvh": Lbvh,
+    "brute": Brute,
+}
 
 
 def make_structure(ctx: moderngl.Context, name: str) -> Structure:

@@ -103,7 +103,7 @@ def _quality(show: CurtainShow) -> dict:
     if not finite[0]:
         area[0] = area[1:3].max()
     # A pair of triangles counts as one: the builder's own unit.
-    kdtree = show.scene.accelerator == "kdtree"
+    kdtree = show.scene.accelerator.startswith("kdtree")
     C_ts, held = (CONSTANTS["C_TS"], tree["pairs"]) if kdtree else (1.0, tree["count"])
     view, size = camera_of(show.scene), show.scene.size
     # As the tracer orders them, block by block.

@@ -44,9 +44,10 @@ class SceneOptions:
     display: Annotated[str | None, Parameter(help="Display of the config; none: its default.")] = None
     ocio_view: Annotated[str | None, Parameter(help="View of that display; none: its default.")] = None
     background: Annotated[bool | None, Parameter(help="Show the environment behind the cloth.")] = None
-    accelerator: Annotated[str | None, Parameter(help="What rays are traced through; all give the same picture (kdtree, lbvh or brute; curtain).")] = None
+    accelerator: Annotated[str | None, Parameter(help="What rays are traced through; all give the same picture; median: large nodes cut as in paper B (kdtree, kdtree_median, lbvh or brute; curtain).")] = None
     depth: Annotated[int | None, Parameter(help="Generations of rays: through the cloth and mirrored by it (1 to 8; curtain).")] = None
     room: Annotated[str | None, Parameter(help="OBJ file of the room; none: built in (curtain).")] = None
+    spread: Annotated[bool | None, Parameter(help="Blur what is seen through the yarns; needs many samples per pixel (curtain).")] = None
     view: Annotated[str | None, Parameter(help="Framed by the size of the cloth: front, three-quarter, side, back, close; or a camera of the mesh's .glb or .gltf file by its name, or file for its only one.")] = None
     eye: Annotated[str | None, Parameter(help="Where the camera is, X,Y,Z (m).")] = None
     target: Annotated[str | None, Parameter(help="What it looks at, X,Y,Z (m).")] = None

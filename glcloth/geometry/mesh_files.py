@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
-from ..files import PACKAGE, atomic_write, read_bytes
+from ..files import PACKAGE, atomic_write, path_of, read_bytes
 from ..progress import warn
 from . import shapes
 from .gltf_scene import read_gltf
@@ -58,7 +58,7 @@ def load_solid(name_or_path: str | Path) -> tuple[Mesh, np.ndarray]:
 
 def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | None]:
     """A mesh and, if asked for, the reflectances [T, 3] of its triangles."""
-    path = Path(name_or_path)
+    path = path_of(name_or_path)
     if str(name_or_path) in BUILTIN_MESHES and path.parent == Path("."):
         mesh = _builtin(str(name_or_path))
         return mesh, np.full((len(mesh.triangles), 3), GREY, np.float32)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
+from ..files import path_of
 from ..formats.exr import is_cube
 from ..image import READABLE, read_image
 from ..progress import warn
@@ -96,7 +97,7 @@ def load_environment(name_or_path: str | Path, layer: str = "", layout: str = "a
     text = str(name_or_path)
     if text in BUILT_IN:
         return _built_in(text)
-    path = Path(text)
+    path = path_of(text)
     if not (path.exists() or path.suffix or "/" in text or "\\" in text):
         near = difflib.get_close_matches(text.lower(), BUILT_IN, 1, 0.5)
         hint = f"did you mean {near[0]}? " if near else ""

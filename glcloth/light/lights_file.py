@@ -9,7 +9,7 @@ import numpy as np
 import tomli_w
 
 from ..errors import InputError, short
-from ..files import atomic_write, read_json, read_text, read_toml
+from ..files import atomic_write, path_of, read_json, read_text, read_toml
 from .lights import Lights, SphericalGaussians, Suns, as_lights
 
 FORMAT = "glcloth lights 1"
@@ -47,7 +47,7 @@ def save_lights(path: str | Path, lights: Lights | SphericalGaussians, about: di
 
 def load_lights(path: str | Path) -> Lights:
     """Read lights written by save_lights (or by hand). Raises InputError when the file is missing or wrong."""
-    path = Path(path)
+    path = path_of(path)
     if path.suffix.lower() not in (".json", ".toml"):
         raise InputError(f"{path}: cannot read lights from {path.suffix or 'no suffix'}, expected .json or .toml")
     expected = "a file of lights"

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
+from ..files import is_file
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view
@@ -168,7 +169,7 @@ class Frames:
 def _stamp(name: str) -> int:
     """When a file changed; 0 where there is no file."""
     path = Path(name)
-    return path.stat().st_mtime_ns if path.is_file() else 0
+    return path.stat().st_mtime_ns if is_file(path) else 0
 
 
 def _settings(scene: Scene, environment: Environment) -> Settings:

@@ -214,3 +214,13 @@ def test_the_cpu_reads_buffers_through_a_copy():
     for path in MODULES:
         if path.relative_to(PACKAGE).as_posix() != "gpu/buffers.py":
             assert not re.search(r"\.buffer\.read\(|ctx\.buffer\(", path.read_text(encoding="utf-8")), path
+
+
+def test_one_function_prints():
+    """`say` and `show` make lines printable; else only results as JSON are printed."""
+    for path in MODULES:
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            called = ast.unparse(node.func) if isinstance(node, ast.Call) else ""
+            if called in ("print", "sys.stderr.write", "sys.stdout.write"):
+                said = ast.unparse(node.args[0])
+                assert path.name == "progress.py" or said.startswith(("dumps(", "json.dumps(")), f"{path}: {said}"

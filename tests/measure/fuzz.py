@@ -18,6 +18,7 @@ from pathlib import Path
 
 from mutations import FORMATS, corpus, damaged, random_edits
 
+from glcloth.cli import _quiet_libraries
 from glcloth.errors import MAX_LINE, InputError
 
 SECONDS, MEGABYTES = 10, 1536
@@ -39,7 +40,8 @@ def outcome(read, path, heard):
     """A word for what reading a file came to, and the detail."""
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
-        read(path)
+        with _quiet_libraries():  # as the command line has it
+            read(path)
         result = "read", ""
     except InputError as error:
         said = str(error)

@@ -19,6 +19,7 @@ layout(std430) writeonly buffer Active { uint next_active[]; };
 layout(std430) writeonly buffer Roots { uvec4 root[]; };
 uniform int active_count;
 uniform int lanes;
+uniform bool spatial_median;  // instead of the plane of least cost
 uniform int level;
 uniform int small_size;      // a node of at most so many references is small
 uniform int node_capacity;
@@ -96,6 +97,8 @@ void main() {
         }
         float fraction = plane_fraction(k, LARGE_PLANES);
         vec3 cost = plane_costs(cell_low, cell_high, fraction, vec3(left), vec3(right));
+        // Paper B and Zhou et al. 2008 cut a large node in the middle of its longest side.
+        if (spatial_median) cost = k == LARGE_PLANES / 2 ? cell_low - cell_high : vec3(3e38);
         vec3 n = least_axis(cost);
         if (dot(n, cost) < best) {
             best = dot(n, cost);

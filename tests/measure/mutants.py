@@ -1,0 +1,186 @@
+"""Do the tests notice a fault? One small text change after the other, and the tests of the room that it is in:
+python tests/measure/mutants.py OUT.jsonl [--each 15] [--seed 1] [--rooms cameras,images] [--seconds 300].
+
+The changes are OPERATORS, at places that the seed chooses among all places of a room's files outside comments. The work
+goes on where OUT.jsonl ends; lines in it are {id, room, file, line, was, now, result, by}. At the end the score and the
+survivors are printed. A copy of the project in a temporary folder is changed, never the project.
+"""
+
+import common  # noqa: I001
+import json
+import os
+import random
+import re
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+# Room: its files, and the tests that know it.
+ROOMS = {
+    "fibre": (
+        "glsl/core/*.glsl glsl/fibre/*.glsl",
+        "tests/twins/test_twins.py tests/twins/test_truth.py",
+    ),
+    "gaussians": (
+        "glsl/sg/*.glsl",
+        "tests/twins/test_twins.py tests/twins/test_sg_truth.py",
+    ),
+    "direct": (
+        "glsl/direct/*.glsl glsl/inputs/methods/direct*.glsl glcloth/methods/direct/*.py",
+        "tests/twins/test_twins.py tests/pictures/test_direct.py",
+    ),
+    "woven": (
+        "glsl/woven/*.glsl",
+        "tests/twins/test_twins.py tests/twins/test_woven.py",
+    ),
+    "accel": (
+        "glsl/trace/*.glsl glsl/inputs/accel/*.glsl glsl/passes/accel/*.comp",
+        "tests/twins/test_twins.py tests/structures/test_accel.py tests/structures/test_structures.py",
+    ),
+    "tracing": (
+        "glsl/passes/tracing/*.comp glsl/inputs/tracing/*.glsl glcloth/tracing/*.py",
+        "tests/pictures/test_tracer.py tests/pictures/test_curtain_views.py",
+    ),
+    "simulation": (
+        "glsl/simulate/*.glsl glsl/passes/simulation/*.comp glcloth/simulation/cloth.py",
+        "tests/twins/test_twins.py tests/structures/test_simulation.py tests/structures/test_curtain_cloth.py",
+    ),
+    "images": (
+        "glcloth/image.py glcloth/color.py glcloth/metrics.py",
+        "tests/values/test_image.py tests/doors/test_doors.py",
+    ),
+    "cameras": (
+        "glcloth/geometry/camera.py glcloth/picture/sequence.py",
+        "tests/pictures/test_planted.py tests/pictures/test_pictures.py tests/doors/test_doors.py",
+    ),
+    "light": (
+        "glcloth/light/equirect.py glcloth/light/suns.py glcloth/light/harmonics.py glcloth/light/fit.py "
+        "glcloth/light/lights.py",
+        "tests/values/test_environment.py tests/values/test_harmonics.py tests/values/test_fit.py "
+        "tests/pictures/test_planted.py",
+    ),
+    "visibility": (
+        "glsl/passes/visibility/*.comp glsl/inputs/visibility/*.glsl glcloth/visibility/*.py",
+        "tests/pictures/test_planted.py tests/pictures/test_shadows.py tests/pictures/test_solids.py",
+    ),
+}
+# What is found, and what stands there instead.
+OPERATORS = [
+    (r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" < ", " > "), (r" > ", " < "), (r" <= ", " < "), (r" >= ", " > "),
+    (r" == ", " != "), (r" \+= ", " -= "), (r"\bmax\(", "min("), (r"\bmin\(", "max("), (r"\bsin\(", "cos("), (r"\bcos\(", "sin("),
+    (r"\b0\.5\b", "0.6"), (r"\b1\.0\b", "1.1"), (r"\b2\.0\b", "2.2"), (r"\b3e38\b", "1.0"), (r"\bdot\((\w+), ", r"-dot(\1, "),
+    (r"\.x\b", ".y"), (r"\.z\b", ".x"), (r"\b1e-4\b", "1e-1"), (r" && ", " || "), (r" and ", " or "), (r"\bnot ", ""),
+    (r"\bbarrier\(\);", ""), (r"\[::-1\]", ""), (r"\babs\(", "("), (r"\bnormalize\(", "("), (r"\bsqrt\(", "("),
+]  # fmt: skip
+
+
+def places(path):
+    """(line, start, end, now) of every change that a file takes: outside comments, strings and docstrings of Python."""
+    text = path.read_text(encoding="utf-8")
+    python, inside = path.suffix == ".py", False
+    for number, line in enumerate(text.splitlines()):
+        quotes = line.count('"""')
+        skip, inside = inside or quotes > 0, inside ^ (quotes % 2 == 1)
+        code = line.split("#" if python else "//")[0]
+        if (python and (skip or '"' in code or "import" in code)) or code.lstrip().startswith(
+            ("#", "layout", "uniform")
+        ):
+            continue
+        if python and not line.startswith(" "):
+            continue
+        for pattern, now in OPERATORS:
+            for match in re.finditer(pattern, code):
+                yield number, match.start(), match.end(), match.expand(now)
+
+
+def chosen(room, each, seed):
+    """The changes of a room: {id: (file, line, start, end, now)}, no two on one line."""
+    rng, all_, lines = random.Random(f"{seed} {room}"), [], set()
+    for pattern in ROOMS[room][0].split():
+        for path in sorted(ROOT.glob(pattern)):
+            all_ += [(path.relative_to(ROOT).as_posix(), *place) for place in places(path)]
+    rng.shuffle(all_)
+    out = {}
+    for file, line, start, end, now in all_:
+        if len(out) < each and (file, line) not in lines:
+            lines.add((file, line))
+            out[f"{room} {file}:{line + 1}:{start} {now.strip()}"] = file, line, start, end, now
+    return out
+
+
+def selections(file, room):
+    """Arguments of pytest, the quickest tests first: a library's twins, and then all tests of the room."""
+    if file.startswith("glsl/"):
+        yield ["tests/twins/test_twins.py", "-k", file.removeprefix("glsl/").split(".")[0]]
+    yield ["-m", "not slow", *ROOMS[room][1].split()]
+
+
+def tried(folder, room, change, seconds):
+    """What the tests of a room say of a change: (result, by, was, now)."""
+    file, line, start, end, now = change
+    path = folder / file
+    before = path.read_text(encoding="utf-8")
+    lines = before.split("\n")
+    was = lines[line]
+    lines[line] = was[:start] + now + was[end:]
+    path.write_text("\n".join(lines), encoding="utf-8")
+    result, by = "survived", ""
+    for which in selections(file, room):
+        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *which]
+        env = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+        try:
+            done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, timeout=seconds)
+        except subprocess.TimeoutExpired:
+            result, by = "caught", "took too long"
+            break
+        if done.returncode not in (0, 5):  # 5: no such test
+            failed = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.M)
+            result, by = "caught", failed[1] if failed else f"exit code {done.returncode}"
+            break
+    path.write_text(before, encoding="utf-8")
+    return result, by, was.strip(), lines[line].strip()
+
+
+def report(rows):
+    """Print the score of each room, and the survivors."""
+    common.row("room", "caught", "survived")
+    common.row("---", "---", "---")
+    for room in [*ROOMS, "all"]:
+        count = Counter(row["result"] for row in rows if room in (row["room"], "all"))
+        common.row(room, count["caught"], count["survived"])
+    for row in rows:
+        if row["result"] == "survived":
+            print(f"\n{row['file']}:{row['line']}\n  - {row['was']}\n  + {row['now']}")
+
+
+def main():
+    """Try all changes that OUT.jsonl does not hold yet, room by turn."""
+    args = common.options(__doc__, [], each=15, seed=1, rooms=list(ROOMS), seconds=600)
+    out = Path(args.environments[0] if args.environments else "mutants.jsonl")
+    rows = [json.loads(line) for line in out.read_text().splitlines()] if out.is_file() else []
+    known = {row["id"] for row in rows}
+    jobs = [[(room, *job) for job in chosen(room, args.each, args.seed).items()] for room in args.rooms]
+    turns = [job for turn in range(args.each) for room in jobs for job in room[turn : turn + 1]]
+    with tempfile.TemporaryDirectory() as folder:
+        files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout.split(b"\0")
+        for name in filter(None, files):
+            target = Path(folder) / os.fsdecode(name)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            target.write_bytes((ROOT / os.fsdecode(name)).read_bytes())
+        for room, number, change in turns:
+            if number in known:
+                continue
+            result, by, was, now = tried(Path(folder), room, change, args.seconds)
+            row = {"id": number, "room": room, "file": change[0], "line": change[1] + 1, "was": was, "now": now}
+            rows.append(row | {"result": result, "by": by})
+            with out.open("a") as file:
+                file.write(json.dumps(rows[-1]) + "\n")
+            print(result, number, by, flush=True)
+    report(rows)
+
+
+if __name__ == "__main__":
+    main()
