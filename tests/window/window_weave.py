@@ -88,9 +88,7 @@ def walk(folder):
     before = app.session.fabric.weave.crimp
     hand.drag("crimp", 0.3, 0.45)
     out["crimp"] = app.session.fabric.weave.crimp != before
-    hand.click("##draft path", 0.5)
-    hand.do(["key", "ctrl+a"])
-    hand.type(str(folder / "saved.wif"))
+    app.files.names["draft"] = str(folder / "saved.wif")
     hand.click("Save draft", 0.5)
     out["saved"] = load_draft(folder / "saved.wif").reduced().drawdown.astype(int).tolist() == drawdown()
     app.files.names["fabric"] = str(folder / "saved.toml")
