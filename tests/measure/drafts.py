@@ -3,6 +3,7 @@
 python tests/measure/drafts.py [FILES ...] [--size 640x480] [--threads]
 
 Seconds from the file's name to its picture in a renderer that runs already (wall and CPU), and of each refusal.
+The first of each number of tangents waits for its program.
 """
 
 import sys
@@ -47,19 +48,12 @@ def main():
                 assert str(error).isprintable() and len(str(error)) <= 300, error
                 found = lines
             found.append((time.perf_counter() - wall, time.process_time() - cpu, path.name))
-    common.row("", "count", "median s", "longest s", "CPU median s", "CPU longest s", "longest")
+    common.row("", "count", "median s", "longest s", "CPU median s", "CPU longest s", "CPU over 1 s", "longest")
     for name, found in (("picture", pictures), ("one line", lines)):
         wall, cpu = (np.array([one[k] for one in found]) for k in (0, 1))
         longest = found[int(np.argmax(wall))][2]
-        common.row(
-            name,
-            len(found),
-            float(np.median(wall)),
-            float(wall.max()),
-            float(np.median(cpu)),
-            float(cpu.max()),
-            longest,
-        )
+        numbers = float(np.median(wall)), float(wall.max()), float(np.median(cpu)), float(cpu.max())
+        common.row(name, len(found), *numbers, int((cpu > 1.0).sum()), longest)
 
 
 if __name__ == "__main__":

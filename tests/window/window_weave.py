@@ -49,7 +49,9 @@ def near_of(app):
 
 def walk(folder):
     window_walk.RECORDED += ("invisible_button",)
-    app = App(Scene(size=(120, 720), mesh="plane", fabric="linen_light", shadows="off", env="sky", lobes=3))
+    app = App(
+        Scene(size=(64, 720), mesh="plane", quality="draft", fabric="linen_light", shadows="off", env="sky", lobes=3)
+    )
     glfw.set_window_pos(app.host.window, 0, 0)
     hand, out = Weaver(app, folder), {}
     # Programs for other numbers of tangents are not needed here, and take long to compile.
@@ -67,7 +69,7 @@ def walk(folder):
     hand.keep("clicked")
     out["clicked"] = drawdown()
     out["near_changed"] = float(np.abs(near_of(app) - first).mean() / first.mean())
-    hand.do(["mousemove", 40, 300], ["key", "ctrl+z"])
+    hand.do(["mousemove", 32, 300], ["key", "ctrl+z"])
     out["undone"] = [drawdown(), app.session.fabric == document.scene.fabric or app.session.document == document]
     out["same_again"] = bool(np.array_equal(near_of(app), first))
 
@@ -76,7 +78,7 @@ def walk(folder):
     out["twill"] = drawdown() == named_draft("twill_2_2").drawdown.astype(int).tolist()
     hand.mark(("threading", 3, 3), ("threading", 2, 3), ("threading", 1, 3))
     out["threaded"] = [row[3] for row in drawdown()] == [row[1] for row in drawdown()]
-    hand.do(["mousemove", 40, 300], ["key", "ctrl+z"])
+    hand.do(["mousemove", 32, 300], ["key", "ctrl+z"])
     out["drag_is_one_step"] = drawdown() == named_draft("twill_2_2").drawdown.astype(int).tolist()
     loom = app.panels.weave._loom
     hand.mark(("tieup", 0, 0), ("tieup", 0, 1))
@@ -88,9 +90,7 @@ def walk(folder):
     before = app.session.fabric.weave.crimp
     hand.drag("crimp", 0.3, 0.45)
     out["crimp"] = app.session.fabric.weave.crimp != before
-    hand.click("##draft path", 0.5)
-    hand.do(["key", "ctrl+a"])
-    hand.type(str(folder / "saved.wif"))
+    app.files.names["draft"] = str(folder / "saved.wif")
     hand.click("Save draft", 0.5)
     out["saved"] = load_draft(folder / "saved.wif").reduced().drawdown.astype(int).tolist() == drawdown()
     app.files.names["fabric"] = str(folder / "saved.toml")
@@ -105,7 +105,7 @@ def walk(folder):
     (folder / "bad.wif").write_text("[WIF]\n")
     out["bad"] = [drop(app, folder / "bad.wif"), "bad.wif" in app.messages.lines[-1][1], drawdown() == woven]
 
-    hand.do(["mousemove", 60, 250])
+    hand.do(["mousemove", 32, 250])
     bare = window_walk.picture_of(hand.keep("bare"), app)
     hand.do(["keydown", "n"])
     held = window_walk.picture_of(hand.keep("thread_counter"), app)
@@ -120,7 +120,7 @@ def walk(folder):
         app.session.scene.threads,
         round(float(np.linalg.norm(np.subtract(camera.eye, camera.target))), 4),
     ]
-    hand.do(["mousemove", 60, 250], ["key", "ctrl+z"])
+    hand.do(["mousemove", 32, 250], ["key", "ctrl+z"])
     bare_fabric = app.session.fabric.changed(weave=None, name="Bare")
     app.session.choose_fabric(bare_fabric)
     settle(app)
