@@ -70,7 +70,7 @@ class Triangles:
         Successive triangles that share an edge become pairs; their corners are turned for it, the order of the round kept.
         So hits are between the turned corners, `rotated_corners(corners, triangles.turn)`.
         """
-        positions = np.asarray(positions, np.float32).reshape(-1, 3, 3)
+        positions = without_lines(np.asarray(positions, np.float32).reshape(-1, 3, 3))
         T = len(positions)
         assert first + T <= self.count, f"{first} + {T} triangles, room for {self.count}"
         material = np.broadcast_to(material, T)
@@ -159,6 +159,18 @@ class Triangles:
         self._forget_pairs()
         self.corners.release()
         self.attributes.release()
+
+
+def without_lines(positions: np.ndarray) -> np.ndarray:
+    """Triangles [T, 3, 3] float32, those without area drawn together to a point: that no ray meets, to the last bit, while
+    rounding lets some meet a line. A height below 1e-6 of the longest side is rounding."""
+    p = positions.astype(np.float64)
+    edges = np.roll(p, -1, 1) - p
+    longest = np.einsum("tkc,tkc->tk", edges, edges).max(1, initial=0.0)
+    thin = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1) <= 2e-6 * longest
+    if not thin.any():
+        return positions
+    return np.where(thin[:, None, None], positions[:, :1], positions)
 
 
 def find_pairs(positions: np.ndarray, material: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -11,14 +11,15 @@ from .mesh import Mesh
 
 LARGE = 2.0  # radii of the cloth: smaller objects are fine enough once they are cut evenly
 FINE = 1 / 21  # of the cloth's radius: edges beside it, as those of the ground's rings
+FARTHEST = 5_000.0  # radii of the cloth: what lies beyond is left out, for float32 knows one scale at a time
 MOST_VERTICES = 12_000
 LONG = 0.7  # of a triangle's longest edge: others as long are cut with it
 
 
 @lru_cache(maxsize=16)
 def graded(mesh: Mesh, center: tuple[float, float, float], radius: float) -> tuple[Mesh, np.ndarray]:
-    """Return the same surface with edges of at most FINE (1 + d / (2 radius))^2 radii at a distance d from a cloth's centre,
-    and the old triangle [T] of each new one.
+    """Return the same surface with edges of at most FINE (1 + d / (2 radius))^2 radii, or d, at a distance d from a cloth's
+    centre, and the old triangle [T] of each new one.
 
     The mesh itself where it is no larger than the cloth, or fine enough. Edges are cut in their middle, in all triangles
     that share them, so that no gap opens.
@@ -45,8 +46,12 @@ def graded(mesh: Mesh, center: tuple[float, float, float], radius: float) -> tup
         rows = np.vstack([rows, _unit_columns(0.5 * (rows[ends[:, 0]] + rows[ends[:, 1]]))])
         sign = np.concatenate([sign, sign[ends[:, 0]]])
         corners, source = _cut(corners, middle.reshape(3, -1).T, source)
-    if len(source) == len(mesh.triangles):
-        return mesh, source
+    near = np.linalg.norm(_beside(rows[corners][..., :3], np.array(center)), axis=1) <= FARTHEST * radius
+    if not near.any() or len(source) == len(mesh.triangles):
+        return mesh, np.arange(len(mesh.triangles))
+    if not near.all():
+        used, corners = np.unique(corners[near], return_inverse=True)
+        rows, sign, corners, source = rows[used], sign[used], corners.reshape(-1, 3), source[near]
     return Mesh(
         mesh.name,
         rows[:, :3],
@@ -74,9 +79,9 @@ def _edges_to_cut(
     """Which edges [T, 3] are too long; an edge that one of its triangles finds so is so in all."""
     at = positions[corners]
     length = np.linalg.norm(np.roll(at, -1, 1) - at, axis=2)
-    # The box of a triangle is as near as the triangle, or nearer.
-    beside = np.maximum(np.maximum(at.min(1) - center, center - at.max(1)), 0.0)
-    allowed = FINE * radius * (1 + np.linalg.norm(beside, axis=1) / (2 * radius)) ** 2
+    beside = _beside(at, center)
+    distance = np.linalg.norm(beside, axis=1)
+    allowed = np.minimum(FINE * radius * (1 + distance / (2 * radius)) ** 2, radius + distance)
     longest = length.max(1)
     cut = (length >= LONG * longest[:, None]) & (length > allowed[:, None])
     a, b = place[corners], place[np.roll(corners, -1, 1)]
@@ -84,6 +89,11 @@ def _edges_to_cut(
     marked = np.zeros(edge.max() + 1, bool)
     marked[edge[cut.ravel()]] = True
     return marked[edge].reshape(cut.shape)
+
+
+def _beside(at: np.ndarray, center: np.ndarray) -> np.ndarray:
+    """From a point to the boxes of triangles [T, 3, 3], which are as near as these, or nearer; [T, 3]."""
+    return np.maximum(np.maximum(at.min(1) - center, center - at.max(1)), 0.0)
 
 
 def _cut(corners: np.ndarray, middle: np.ndarray, source: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -65,11 +65,11 @@ class Solids(Surface):
         self.pass_count = lit_by.pass_count if lit_by.method.lights_solids else 1
 
     def _take_shape(self, objects: Objects) -> None:
-        fine = [subdivided(mesh) for mesh in objects.meshes]
+        uneven = objects.graded or (False,) * len(objects.meshes)
+        fine = [mesh if cut else subdivided(mesh) for mesh, cut in zip(objects.meshes, uneven, strict=True)]
         self._shares = [len(a.triangles) // len(b.triangles) for a, b in zip(fine, objects.meshes, strict=True)]
         self.hiding = sum(len(mesh.triangles) for mesh in fine)
         self._hiding_vertices = sum(len(mesh.positions) for mesh in fine)
-        uneven = objects.graded or (False,) * len(fine)
         offsets = [EDGE_OFFSET * _edge_at_vertices(mesh, own) for mesh, own in zip(fine, uneven, strict=True)]
         if (ground := objects.ground) is not None:
             fine.append(ground.mesh)
@@ -112,7 +112,12 @@ class Solids(Surface):
         ranges = []
         if self.hiding:
             used = self.mesh.positions[: self._hiding_vertices]
-            ranges.append(camera.depth_range(used.min(0), used.max(0)))
+            near, far = camera.depth_range(used.min(0), used.max(0))
+            if any(self.objects.graded):  # a floor below the camera: its box says nothing of how near it is
+                at = self.mesh.positions[self.mesh.triangles[: self.hiding]]
+                apart = np.maximum(np.maximum(at.min(1) - camera.eye, camera.eye - at.max(1)), 0.0)
+                near = min(near, max(NEAREST * float(np.linalg.norm(apart, axis=1).min()), 1e-6 * far))
+            ranges.append((near, far))
         if (ground := self.objects.ground) is not None and camera.ortho is not None:
             ranges.append(_ground_range(camera, ground.height, float(ground.radii[-1])))
         elif ground is not None:

@@ -13,6 +13,7 @@ MOST_PROBES = 32_000
 MOST_VERTICES = 16_000  # by subdivision
 # Up to so many probes each traces all directions, or a half, a quarter, an eighth; its neighbours know the others.
 WHOLE, HALF, QUARTER = 6_000, 12_000, 32_000
+CROWD = 8  # triangles for each vertex there may be
 HUB = 1_000  # neighbours of a vertex
 LONGEST_EDGE = 1 / 24  # of the mesh's radius: nobody knows which folds are wide enough for five vertices across
 OFFSET = 0.06  # of a vertex's mean edge: how far rays start from it
@@ -62,6 +63,8 @@ def subdivided(mesh: Mesh, longest: float = LONGEST_EDGE, most: int = MOST_VERTI
         a, b = edges.T
         length = np.linalg.norm(mesh.positions[a] - mesh.positions[b], axis=1)
         if length.max(initial=0.0) <= limit or len(mesh.positions) + len(edges) > most:
+            return mesh
+        if 4 * len(corners) > CROWD * most:  # many triangles between few vertices
             return mesh
         count = len(mesh.positions)
         number = sparse.csr_array((np.arange(count, count + len(edges)), (a, b)), shape=(count, count))

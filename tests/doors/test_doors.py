@@ -12,10 +12,12 @@ import numpy as np
 import pytest
 
 from glcloth import cli
+from glcloth.errors import InputError
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh, save_mesh
 from glcloth.image import read_image, read_settings, write_image
 from glcloth.picture.renderer import Renderer
+from glcloth.picture.sequence import pose_files
 
 ROOT = Path(__file__).resolve().parents[2]
 # Two directions per edge keep the reference quick; what is tested here is the door, not the light.
@@ -324,6 +326,18 @@ def test_animate_writes_whole_frames_and_resumes(tmp_path, capsys):
     assert np.array_equal(read_image(pattern.parent / "002.exr"), last)
     assert "%04d" in fails(capsys, "animate", "-o", tmp_path / "a.png", *QUICK)
     assert "start" in fails(capsys, "animate", "-o", pattern, *QUICK, "--frames", "3", "--start", "3")
+
+
+def test_poses_may_begin_at_any_number(tmp_path):
+    for number in (3, 4, 5, 8):
+        (tmp_path / f"p{number:02d}.ply").touch()
+    pattern = str(tmp_path / "p%02d.ply")
+    assert list(pose_files(pattern, 6, 4)) == [3, 4, 5], "and those before it, for what the vertices have seen"
+    assert list(pose_files(pattern, 9, 8)) == [8]
+    for count, start, words in ((6, 0, "begin at 3: choose --start 3"), (8, 3, "3 from 3 on: choose --frames 6"),
+                                (2, 0, "there is none")):  # fmt: skip
+        with pytest.raises(InputError, match=words):
+            pose_files(pattern, count, start)
 
 
 def test_animate_follows_poses_from_files_and_resumes(tmp_path, capsys):

@@ -12,6 +12,7 @@ from glcloth.accel.queries import RayQueries
 from glcloth.accel.triangles import Triangles, rotated_corners
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
+from glcloth.geometry.graded import graded
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import BALL, PLINTH, TABLE, load_mesh, load_solid
 from glcloth.geometry.props import RINGS, SECTORS, Ground, Objects, stand_on
@@ -371,3 +372,31 @@ def test_a_cloth_alone_is_the_same_to_the_bit_after_others_stood_about_it(render
     among = renderer.render(scene, ground="auto", objects=("plane",))
     assert not np.array_equal(among, alone)
     assert np.array_equal(renderer.render(scene), alone)
+
+
+@pytest.mark.parametrize("half", [500, 5, 50_000])
+def test_the_shadow_on_a_large_object_is_that_on_the_ground(renderer, tmp_path, half):
+    """Two triangles of any size: they are cut where the cloth is near, without gaps or folds."""
+    corners = "".join(f"v {x} -0.5 {z}\n" for x, z in ((-half, -half), (half, -half), (half, half), (-half, half)))
+    (tmp_path / "floor.obj").write_text(corners + "f 1 4 3 2\n")
+    cloth = sheet(8, size=0.4)
+    mesh, source = graded(load_mesh(tmp_path / "floor.obj"), tuple(cloth.center.tolist()), cloth.radius)
+    p = mesh.positions[mesh.triangles].astype(float)
+    areas = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])[:, 1] / 2
+    assert (areas > 0).all() and (len(mesh.positions) < 6000) and set(source) == {0, 1}
+    if half < 5000 * cloth.radius:
+        assert np.allclose(np.bincount(source, areas), 2 * half**2)
+    edges = np.sort(np.concatenate([mesh.triangles[:, pair] for pair in ([0, 1], [1, 2], [2, 0])]), 1)
+    edges_of, times = np.unique(edges, axis=0, return_counts=True)
+    beside = np.abs(mesh.positions[edges_of[times == 1]].mean(1)[:, [0, 2]]).max(1)
+    assert (times <= 2).all() and (beside > 0.99 * min(half, 5000 * cloth.radius)).all(), (
+        "every edge within has two sides"
+    )
+    if half != 500:
+        return
+    light = dict(lights=MIXED, size=48)
+    expected = seen(renderer, ground_color=(0.5, 0.5, 0.5), **light)[..., :3]
+    got = seen(renderer, ground="off", objects=(str(tmp_path / "floor.obj"),), **light)[..., :3]
+    assert np.abs(got - expected).mean() < 0.01 * expected.mean()
+    assert np.abs(got - expected).max() < 0.1 * expected.max()
+    assert expected.min() < 0.8 * np.median(expected), "there is a shadow"

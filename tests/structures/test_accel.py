@@ -90,6 +90,25 @@ def test_degenerate_scenes(ctx, queries, name, kind):
     triangles.release()
 
 
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_triangles_without_area_are_met_by_no_ray(ctx, queries, name):
+    """Lines and points in every position; the rays go straight through them."""
+    rng = np.random.default_rng(8)
+    a, b = rng.uniform(-1, 1, (2, 400, 3))
+    share = rng.uniform(-0.5, 1.5, (400, 1))
+    lines = np.stack([a, b, a + share * (b - a)], 1).astype(np.float32)
+    lines[::7, 2] = lines[::7, 1]
+    lines[::11] = lines[::11, :1]
+    triangles, structure = Triangles.of(ctx, lines), make_structure(ctx, name)
+    structure.build(triangles)
+    target = (lines[:, 0] + rng.random((50, 400, 1)) * (lines[:, 1] - lines[:, 0])).reshape(-1, 3)
+    origin = target + rng.normal(size=target.shape)
+    hits = queries.closest_hit(structure, origin.astype(np.float32), (target - origin).astype(np.float32))
+    assert np.isinf(hits.t).all()
+    structure.release()
+    triangles.release()
+
+
 @pytest.mark.parametrize("name", TREES)
 def test_no_triangles_at_all(ctx, queries, name):
     triangles, structure = Triangles.of(ctx, np.zeros((0, 3, 3))), make_structure(ctx, name)

@@ -9,7 +9,7 @@ import struct
 import numpy as np
 import pytest
 from PIL import Image
-from sheets import AREA, REFERENCE, P, T, UV, area, assert_is_the_sheet
+from sheets import AREA, REFERENCE, UV, P, T, area, assert_is_the_sheet
 
 from glcloth.errors import InputError
 from glcloth.geometry.mesh_files import load_mesh, load_solid
@@ -119,7 +119,11 @@ def sparse_over_others(glb):
     places = glb.view(np.array([3, 9, 20], "<u1").tobytes())
     values = glb.view(P[[3, 9, 20]].astype("<f4").tobytes())
     glb.json["accessors"][0] = accessor | {
-        "sparse": {"count": 3, "indices": {"bufferView": places, "componentType": 5121}, "values": {"bufferView": values}}
+        "sparse": {
+            "count": 3,
+            "indices": {"bufferView": places, "componentType": 5121},
+            "values": {"bufferView": values},
+        }
     }
 
 
@@ -256,7 +260,9 @@ def test_a_fan(tmp_path):
     angle = np.linspace(0, 2 * np.pi, 13)
     glb = Glb()
     rim = np.column_stack([np.cos(angle), np.sin(angle), 0 * angle])
-    glb.json["meshes"] = [{"primitives": [{"attributes": {"POSITION": glb.accessor(np.vstack([[0, 0, 0], rim]))}, "mode": 6}]}]
+    glb.json["meshes"] = [
+        {"primitives": [{"attributes": {"POSITION": glb.accessor(np.vstack([[0, 0, 0], rim]))}, "mode": 6}]}
+    ]
     (tmp_path / "fan.glb").write_bytes(glb.blob())
     mesh = load_mesh(tmp_path / "fan.glb")
     assert len(mesh.triangles) == 12 and area(mesh) == pytest.approx(3.0) and np.allclose(mesh.normals, [0, 0, 1])
@@ -267,7 +273,10 @@ def test_instances_stand_in_their_places(tmp_path):
     glb.sheet()
     attributes = {"TRANSLATION": glb.accessor(np.array([[0.0, 0, 0], [2, 0, 0], [4, 0, 0]])),
                   "SCALE": glb.accessor(np.array([[1.0, 1, 1], [1, 1, 1], [2, 2, 2]]))}  # fmt: skip
-    glb.json["nodes"][0] |= {"extensions": {"EXT_mesh_gpu_instancing": {"attributes": attributes}}, "translation": [0, 1, 0]}
+    glb.json["nodes"][0] |= {
+        "extensions": {"EXT_mesh_gpu_instancing": {"attributes": attributes}},
+        "translation": [0, 1, 0],
+    }
     (tmp_path / "three.glb").write_bytes(glb.blob())
     mesh = load_mesh(tmp_path / "three.glb")
     assert area(mesh) == pytest.approx(6 * AREA, rel=1e-4) and np.allclose(mesh.bounds[1][:2], [5, 2])
@@ -297,7 +306,10 @@ def test_names_materials_and_pictures(tmp_path):
     glb.json["nodes"][0]["name"] = "Anna"
     glb.json["materials"] = [
         {"name": "Silk", "pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.4, 0.8, 1], "roughnessFactor": 0.3}},
-        {"name": "Print", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 1, 0.5, 1]}},
+        {
+            "name": "Print",
+            "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "baseColorFactor": [1, 1, 0.5, 1]},
+        },
     ]
     glb.json["textures"], glb.json["images"] = [{"source": 0}], [{"bufferView": glb.view(picture.getvalue())}]
     (tmp_path / "a.glb").write_bytes(glb.blob())
@@ -352,7 +364,9 @@ def test_wrong_documents_end_in_one_line(tmp_path, make):
     assert "a.glb" in str(caught.value) and str(caught.value).isprintable()
 
 
-@pytest.mark.parametrize("uri", ["../secret.bin", "/etc/hostname", "%2e%2e/secret.bin", "sub/../../secret.bin", "link.bin"])
+@pytest.mark.parametrize(
+    "uri", ["../secret.bin", "/etc/hostname", "%2e%2e/secret.bin", "sub/../../secret.bin", "link.bin"]
+)
 def test_buffers_outside_the_folder_are_refused(tmp_path, uri):
     folder = tmp_path / "in"
     folder.mkdir()

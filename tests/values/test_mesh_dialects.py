@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from sheets import AREA, P, REFERENCE, T, UV, area, assert_is_the_sheet, facing, obj
+from sheets import AREA, REFERENCE, UV, P, T, area, assert_is_the_sheet, facing, obj
 
 from glcloth import progress
 from glcloth.errors import InputError
@@ -317,7 +317,9 @@ def test_damaged_files_end_in_one_line(tmp_path, capfd):
             spoiled = bytearray(blob)
             for _ in range(int(rng.integers(1, 4))):
                 at = int(rng.integers(0, len(blob)))
-                spoiled[at : at + int(rng.integers(0, 3))] = rng.integers(0, 256, int(rng.integers(0, 4)), "u1").tobytes()
+                spoiled[at : at + int(rng.integers(0, 3))] = rng.integers(
+                    0, 256, int(rng.integers(0, 4)), "u1"
+                ).tobytes()
             try:
                 load_mesh(written(tmp_path, name, bytes(spoiled)))
             except InputError as error:
