@@ -136,7 +136,9 @@ class _Scene:
         if "skin" in node.table:  # its joints say where it is
             worlds = [None]
         elif table := extensions.get("EXT_mesh_gpu_instancing"):
-            worlds = [node.world @ local for local in self._instances(table["attributes"], self._instance_count(node.table))]
+            worlds = [
+                node.world @ local for local in self._instances(table["attributes"], self._instance_count(node.table))
+            ]
         else:
             worlds = [node.world]
         self._count(len(piece.positions) * len(worlds), len(piece.triangles) * len(worlds))

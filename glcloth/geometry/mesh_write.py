@@ -60,7 +60,9 @@ def glb_bytes(mesh: Mesh) -> bytes:
         "nodes": [{"mesh": 0, "name": mesh.name}],
         "meshes": [{
             "name": mesh.name,
-            "primitives": [{"attributes": {name: i for i, name in enumerate(attributes)}, "indices": len(attributes), "material": 0}],
+            "primitives": [
+                {"attributes": {name: i for i, name in enumerate(attributes)}, "indices": len(attributes), "material": 0}
+            ],
         }],
         "materials": [{"doubleSided": True}],  # without one some readers leave out the UVs
         "buffers": [{"byteLength": len(body)}],

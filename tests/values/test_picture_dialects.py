@@ -106,7 +106,10 @@ def test_radiance_without_an_empty_line_and_of_another_kind(tmp_path):
     assert np.allclose(read(tmp_path, hdr(end="")), RADIANCE, rtol=1e-6)
     grey = np.full((H, W, 4), (128, 128, 128, 129), np.uint8)
     assert np.allclose(read(tmp_path, hdr(grey, head="FORMAT=32-bit_rle_xyze\n")), 1, atol=2e-4), "white stays white"
-    assert read(tmp_path, hdr(np.full((H, W, 4), (128, 0, 0, 129), np.uint8), head="FORMAT=32-bit_rle_xyze\n"))[0, 0, 0] > 2
+    assert (
+        read(tmp_path, hdr(np.full((H, W, 4), (128, 0, 0, 129), np.uint8), head="FORMAT=32-bit_rle_xyze\n"))[0, 0, 0]
+        > 2
+    )
     for blob, word in (
         (hdr(head="FORMAT=32-bit_rle_unheard\n"), "its format is"),
         (hdr(size="-Y 6 +Y 16"), "gives no size"),
