@@ -15,7 +15,11 @@ def printable(text: object) -> str:
 
 def one_line(text: object) -> str:
     """`text` as one printable line of at most 300 characters; a longer one loses its middle: place and remedy stay."""
-    line = printable(text).strip()
+    return limited(printable(text).strip())
+
+
+def limited(line: str) -> str:
+    """A line without its middle where it is longer than 300 characters."""
     return line if len(line) <= MAX_LINE else f"{line[:190]} ... {line[195 - MAX_LINE :]}"
 
 

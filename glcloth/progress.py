@@ -8,7 +8,7 @@ import time
 from collections.abc import Iterable, Iterator, Sized
 from typing import TypeVar
 
-from .errors import one_line, printable
+from .errors import limited, printable
 
 T = TypeVar("T")
 _stopped = False
@@ -104,7 +104,7 @@ def _bar():
 
 def say(line: str) -> None:
     """Print one line on stderr, printable and at most 300 characters long; all errors and warnings go through here."""
-    print(one_line(line), file=sys.stderr, flush=True)
+    print(limited(printable(line)), file=sys.stderr, flush=True)
 
 
 def show(lines: Iterable[str]) -> None:

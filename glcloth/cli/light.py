@@ -19,6 +19,9 @@ def env(
     lobes: Annotated[str, Parameter(help="1 to 64, or auto.")] = "10",
     layer: Annotated[str, Parameter(help="Of an OpenEXR file with several.")] = "",
     env_layout: Annotated[str, Parameter(help="auto, equirect, cross, strip, angular or mirror.")] = "auto",
+    measure: Annotated[
+        bool, Parameter(negative="", help="Also measure the error of the shading in random frames (about 15 s).")
+    ] = False,
     output: Annotated[Path | None, output_option("Fit to write (.json); the picture goes beside it as .png.")] = None,
     json: Json = False,
 ) -> None:
@@ -32,6 +35,7 @@ def env(
     from ..image import write_image
     from ..light.environment import load_environment
     from ..light.fit import fit_picture, fit_report, save_lights
+    from ..light.judge import measured_errors
     from ..scene import Scene
 
     count = Scene().changed(lobes=lobes).lobes
@@ -45,7 +49,12 @@ def env(
     picture = target.with_suffix(".png")
     write_image(picture, fit_picture(environment, report.lights))
     result = {"file": str(target), "picture": str(picture), **report.as_dict()}
-    tell(json, result, *str(report).splitlines(), f"{target}, {picture}")
+    lines = str(report).splitlines()
+    if measure:
+        result["measured_error"] = errors = measured_errors(environment, report.lights)
+        said = ", ".join(f"{name} {e['median']:.1%} and {e['95 %']:.1%}" for name, e in errors.items())
+        lines.append(f"measured in random frames, median and 95 %: {said}")
+    tell(json, result, *lines, f"{target}, {picture}")
 
 
 def tables(

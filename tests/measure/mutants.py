@@ -50,11 +50,11 @@ ROOMS = {
     ),
     "images": (
         "glcloth/image.py glcloth/color.py glcloth/metrics.py",
-        "tests/values/test_image.py tests/doors/test_doors.py",
+        "tests/values/test_image.py",
     ),
     "cameras": (
         "glcloth/geometry/camera.py glcloth/picture/sequence.py",
-        "tests/pictures/test_planted.py tests/pictures/test_pictures.py tests/doors/test_doors.py",
+        "tests/pictures/test_planted.py tests/pictures/test_pictures.py",
     ),
     "light": (
         "glcloth/light/equirect.py glcloth/light/suns.py glcloth/light/harmonics.py glcloth/light/fit.py "

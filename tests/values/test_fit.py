@@ -24,6 +24,7 @@ from glcloth.light.fit import (
     save_lights,
 )
 from glcloth.light.harmonics import gaussian_flux
+from glcloth.light.judge import measured_errors
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 
 AXES = np.array([[0.2, 0.9, 0.3], [-0.8, 0.2, 0.5], [0.7, -0.1, 0.7], [0.1, -1.0, 0.2]])
@@ -397,3 +398,19 @@ def test_real_maps(shared, name):
     assert report.predicted["linen"] < 0.015 and report.predicted["silk_crepe_de_chine"] < 0.025
     assert report.predicted["satin_charmeuse_front"] < 0.08
     assert len(report.lights.suns) == {"interior": 3, "sunset": 1}.get(name, 0)
+
+
+def test_measured_errors_see_a_sun_beside_its_lamp():
+    """None where the map is the lights themselves; a third where they lack a third; little where a sun stands for a small
+    lamp, and much where it stands 5 degrees beside it."""
+    assert measured_errors(environment_of(KNOWN), KNOWN, 6, 24)["linen"]["95 %"] < 0.01
+    dim = SphericalGaussians(KNOWN.axis, KNOWN.sharpness, KNOWN.amplitude * (2 / 3))
+    assert 0.1 < measured_errors(environment_of(KNOWN), dim, 6, 24)["linen"]["median"] < 0.6
+    lamp = with_lamp(180, unit([0.3, 0.5, 0.8]), 900.0, radius_deg=1.0, base=0.05)
+    found, _ = suns.split_suns(lamp.radiance)
+    even = SphericalGaussians([[0, 1, 0]], [0.0], [[0.05, 0.045, 0.04]])
+    beside = found.rotated(Rotation.from_euler("x", 5, degrees=True).as_matrix())
+    right, wrong = (
+        measured_errors(lamp, Lights(even, light), 16, 24)["satin_charmeuse_front"]["95 %"] for light in (found, beside)
+    )
+    assert len(found) == 1 and 4 * right < wrong

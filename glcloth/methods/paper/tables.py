@@ -85,7 +85,7 @@ def _digest(arrays: dict[str, np.ndarray]) -> np.ndarray:
     total = hashlib.blake2b(digest_size=16)
     for name, array in arrays.items():
         total.update(f"{name} {array.dtype.str} {array.shape}".encode())
-        total.update(memoryview(np.ascontiguousarray(array)).cast("B"))
+        total.update(np.ascontiguousarray(array).tobytes())
     return np.frombuffer(total.digest(), np.uint8)
 
 
