@@ -11,6 +11,7 @@ from glcloth.errors import InputError
 from glcloth.geometry.camera import Camera, lens_samples, sample_offsets
 from glcloth.geometry.mesh import build_mesh
 from glcloth.image import read_image, write_image
+from glcloth.light.environment import Environment
 from glcloth.picture.layers import AOVS, FAR, LIGHT
 
 SIZE = (24, 18)
@@ -62,6 +63,10 @@ def test_parallel_rays_see_cloth_and_background_as_from_far_away(renderer):
     both = (a[..., 3] == 1) & (b[..., 3] == 1)
     assert np.mean(a[..., 3] != b[..., 3]) < 0.02 and both.mean() > 0.2
     assert np.abs(a - b)[both].max() < 0.03 * a[both][:, :3].max()
+    seen = renderer.render(camera=near, **look, aovs=["normal", "position"])
+    outward = seen["position"] / np.maximum(np.linalg.norm(seen["position"], axis=-1, keepdims=True), 1e-6)
+    facing = both & (outward @ -near.axes[2] > 0.15)
+    np.testing.assert_allclose(seen["normal"][facing], outward[facing], atol=0.02)
     behind = renderer.render(camera=near, **look | {"background": True})[b[..., 3] == 0]
     assert np.ptp(behind, 0).max() < 1e-6 and behind.max() > 0
 
@@ -73,6 +78,11 @@ def test_a_lens_blurs_what_is_not_at_the_focus(renderer):
     hits = [meets(c, 0.0, o)[0] for c, o in zip(lens_samples(camera, 8), sample_offsets(8), strict=True)]
     np.testing.assert_allclose(out["position"], np.mean(hits, 0), atol=5e-5)
     assert np.ptp(hits, 0).max() > 0.05
+    # The same light from everywhere behind: every sample of the lens sees it, and their shares add up.
+    even = Environment.from_array(np.full((8, 16, 3), 0.25))
+    small = wall(half=0.1)
+    picture = renderer.render(mesh=small, camera=camera, environment=even, shadows="off", spp=4, **FAST)
+    np.testing.assert_allclose(picture[[0, -1]], 0.25, rtol=1e-5)
 
 
 @pytest.mark.parametrize(
@@ -104,7 +114,8 @@ def test_light_adds_up_to_the_picture(renderer, scene):
 def test_hashes_are_those_of_the_specification():
     # smhasher's values, and those of the specification's example manifest
     assert [murmur3(s) for s in (b"", b"a", b"hello, world", b"hello")] == [0, 0x3C2569B2, 0x149BBB7F, 0x248BFA47]
-    for name in ("wall", "Linen plain", "ß", "x" * 40):
+    assert [murmur3(name) >> 23 & 255 for name in (b"name 368", b"name 708")] == [0, 255], "no numbers as they are"
+    for name in ("wall", "Linen plain", "ß", "x" * 40, "name 368", "name 708"):
         assert np.float32(id_float(name)).view(np.uint32) == id_bits(name)
         assert np.isfinite(id_float(name)) and 0 < id_bits(name) >> 23 & 255 < 255
     key = next(iter(metadata("CryptoObject", [])))
