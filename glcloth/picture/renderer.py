@@ -290,7 +290,8 @@ class Renderer:
         if frame.scene.background:
             ray_from_pixel = target.part(surfaces[0]).buffer.ray_from_pixel
             environment = self._background.inputs(frame, ray_from_pixel)
-        target.composite(weight if number == 0 else 0.0, environment)
+        catches = any(surface.catches for surface in surfaces)
+        target.composite(weight if number == 0 else 0.0, environment, catches)
 
     def draw_background(self, frame: Frame, target: moderngl.Framebuffer | None = None) -> None:
         """Draw the environment behind the last draw, or behind a copy of it in another framebuffer of its size."""

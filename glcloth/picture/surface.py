@@ -30,6 +30,7 @@ class Surface(ABC):
     original: Mesh  # as it hides light
     pass_count = 1  # additive passes over a picture
     sheer = False  # whether what is behind it is seen through it
+    catches = False  # whether a part of it shows its shadow alone
     adaptive = False  # whether it shades all its pixels by `shade_adaptively`, before the others
 
     def __init__(self, ctx: moderngl.Context, steepness: float):

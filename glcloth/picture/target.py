@@ -168,7 +168,7 @@ class Target:
                 values = {**surface.straight_inputs(), **before, "first": number == 0}
                 draw_screen(program, layer.left_target, buffer.inputs(), values, blend="add")
 
-    def composite(self, beyond_weight: float, environment: dict[str, Any] | None) -> None:
+    def composite(self, beyond_weight: float, environment: dict[str, Any] | None, catches: bool) -> None:
         """Add the layers to the picture as far as their light is left; and where nothing is left to be seen behind
         them, the environment, or, without one, transparency.
 
@@ -176,11 +176,17 @@ class Target:
         ----------
         beyond_weight : share of this sample in the pixel; 0: the environment is there already
         environment : what passes/picture/composite.frag reads of it; None: none
+        catches : whether a surface shows its shadow alone, and so covers a part of a pixel
         """
         if not self._layers:
             return
         program = programs(self.ctx).screen("passes/picture/composite.frag", {"PARTS": 1} if self.light else None)
-        values = {**(environment or {}), "has_environment": environment is not None, "beyond_weight": beyond_weight}
+        values = {
+            **(environment or {}),
+            "has_environment": environment is not None,
+            "beyond_weight": beyond_weight,
+            "catches": catches,
+        }
         for layer in self._layers:
             draw_screen(program, self._whole, values, blend="add", left=layer.left, layer=layer.color)
 

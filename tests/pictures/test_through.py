@@ -175,3 +175,21 @@ def test_the_adaptive_rate_and_steps_see_through(renderer):
     for _ in renderer.steps(frame, rows=lambda: 7):
         pass
     np.testing.assert_array_equal(renderer.target.read()[..., :3], full)
+
+
+@pytest.mark.parametrize("method", ["direct", "reference"])
+def test_a_shadow_that_is_caught_behind_cloth(renderer, method):
+    """Through the sheet one sees the background, dimmed by what the sheet hides of the sun from the ground."""
+    t = load_fabric("sheer_voile").transmission
+    lights = Lights(NO_LIGHT.gaussians, Suns([[0.0, 1.0, 0.0]], [[1.0, 1.0, 1.0]]))
+    positions, triangles, uv, _ = shapes.plane(20.0, 4)
+    cloth = build_mesh("cloth", positions[:, [0, 2, 1]] * [1, 1, -1], triangles, uv)
+    scene = dict(
+        mesh=cloth, lights=lights, fabric="sheer_voile", size=SIZE, ground="catcher", bounce=False, method=method, cube=4,
+        camera=Camera((0.0, 6.0, 0.5), (0.0, 0.0, 0.0), (0, 1, 0), 1.0),
+    )  # fmt: skip
+    black = from_array("black", np.full((8, 16, 3), 1e-9))
+    white, dark = (renderer.render(environment=env, **scene)[3, 4] for env in (WHITE, black))
+    o = np.array([0.0, 0.5, 6.0]) / np.hypot(0.5, 6.0)
+    hidden = 1 - straight(t, np.array([0, 0, 1.0])) @ [0.2126, 0.7152, 0.0722]
+    np.testing.assert_allclose(white - dark, straight(t, o) * (1 - hidden), rtol=0.02)

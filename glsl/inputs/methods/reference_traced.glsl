@@ -17,10 +17,10 @@ vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
         if (omega_i.z <= 0.0) continue;
         vec3 flux = flux_along(origin, direction, texelFetch(direction_data, 2 * d + 1));
         if (flux == vec3(0.0)) continue;
-        vec3 L = flux * f_cloth(omega_i, omega_o);
-        sum += L;
+        vec3 f = f_cloth(omega_i, omega_o);
+        sum += flux * f;
 #ifdef PARTS
-        if (came_back) L_bounce += L;
+        if (came_back) L_bounce += (flux - let_on) * f;
 #endif
     }
     return sum;

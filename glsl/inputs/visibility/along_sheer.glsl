@@ -19,8 +19,9 @@ vec3 irradiance_behind(Visit visit, vec3 omega) {
 
 // `direction.w` is 1 where a ray decides; `light` is flux and solid angle.
 vec3 flux_along(vec3 origin, vec4 direction, vec4 light) {
-#ifdef PARTS
+#if defined(PARTS) || defined(CATCHER)
     came_back = false;
+    let_on = vec3(0.0);
 #endif
     if (direction.w == 0.0) return light.rgb;
     vec3 T = vec3(1.0), back = vec3(0.0);
@@ -29,8 +30,9 @@ vec3 flux_along(vec3 origin, vec4 direction, vec4 light) {
     do {
         Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
         traverse(make_ray(origin, direction.xyz, from, 3e38), visit);
-#ifdef PARTS
-        came_back = came_back || visit.triangle != NO_TRIANGLE;  // what sheets let on counts with what they send back
+#if defined(PARTS) || defined(CATCHER)
+        came_back = n > 0 || visit.triangle != NO_TRIANGLE;
+        let_on = n > 0 && visit.triangle == NO_TRIANGLE ? T * light.rgb : vec3(0.0);
 #endif
         if (visit.triangle == NO_TRIANGLE) return T * light.rgb + light.a * back;
         back += T * bounced(visit, origin, direction.xyz);

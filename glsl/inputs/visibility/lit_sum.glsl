@@ -15,10 +15,10 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         vec3 flux = flux_along(origin, direction, texelFetch(direction_data, 2 * d + 1));
         E += cos_theta * flux;
 #ifdef PARTS
-        if (came_back) L_bounce += cos_theta * flux;
+        if (came_back) L_bounce += cos_theta * (flux - let_on);
 #endif
 #ifdef CATCHER
-        if (came_back) E_hidden += cos_theta * texelFetch(direction_data, 2 * d + 1).rgb;
+        if (came_back) E_hidden += cos_theta * (texelFetch(direction_data, 2 * d + 1).rgb - let_on);
 #endif
     }
     return E;
