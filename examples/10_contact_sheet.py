@@ -1,6 +1,6 @@
 """Six fabrics under several environments: direct, reference, and their difference x 8, side by side.
 
-python examples/10_contact_sheet.py OUT.png WxH ENVIRONMENT...      (default: out/10_contact_sheet.png 200x150 studio sky)
+python examples/10_contact_sheet.py OUT.png WxH ENVIRONMENT...      (default: out/10_contact_sheet.png 200x150 studio)
 """
 
 import sys
@@ -15,7 +15,7 @@ from glcloth.metrics import difference
 
 path = output(sys.argv[1] if len(sys.argv) > 1 else "out/10_contact_sheet.png")
 size = sys.argv[2] if len(sys.argv) > 2 else "200x150"
-environments = sys.argv[3:] or ["studio", "sky"]
+environments = sys.argv[3:] or ["studio"]
 fabrics = ("linen", "silk_crepe_de_chine", "silk_shot", "satin_charmeuse_front", "satin_charmeuse_back", "velvet")
 rows = []
 with glcloth.Renderer() as renderer:
