@@ -97,7 +97,9 @@ class Film:
         with ExitStack() as stack:
             renderer = stack.enter_context(Renderer(self.device))
             poses = self.poses(renderer, stack)
-            yield from sequence.chosen(renderer, self.start, self.frames, numbers, poses, self.around, self.turn_env, self.first)
+            yield from sequence.chosen(
+                renderer, self.start, self.frames, numbers, poses, self.around, self.turn_env, self.first
+            )
 
     def write(self, number: int, picture: np.ndarray) -> dict:
         """Write a frame, whole or not at all."""

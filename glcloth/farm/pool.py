@@ -13,6 +13,7 @@ import multiprocessing
 import os
 import signal
 import sys
+import threading
 import traceback
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -75,13 +76,8 @@ class _Crew:
         """Start a process, and give it a picture."""
         ours, theirs = multiprocessing.get_context("spawn").Pipe()
         process = multiprocessing.get_context("spawn").Process(target=_work, args=(theirs, self.job), daemon=True)
-        before = os.environ.get("LP_NUM_THREADS")
-        os.environ.setdefault("LP_NUM_THREADS", str(self.threads))
-        try:
+        with _surroundings(self.threads):
             process.start()
-        finally:
-            if before is None:
-                del os.environ["LP_NUM_THREADS"]
         theirs.close()
         self.hands[ours] = process, None
         self.give(ours)
@@ -147,6 +143,22 @@ class _Crew:
         self.hands = {}
 
 
+@contextlib.contextmanager
+def _surroundings(threads: int) -> Iterator[None]:
+    """What a process inherits: the number of threads, and deafness to Ctrl-C, which whoever starts it hears."""
+    unset = "LP_NUM_THREADS" not in os.environ
+    os.environ.setdefault("LP_NUM_THREADS", str(threads))
+    deaf = threading.current_thread() is threading.main_thread()
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN) if deaf else None
+    try:
+        yield
+    finally:
+        if deaf:
+            signal.signal(signal.SIGINT, before)
+        if unset:
+            del os.environ["LP_NUM_THREADS"]
+
+
 # -- in the process --------------------------------------------------------------------------------------------------
 
 
@@ -167,7 +179,6 @@ class _Told(io.TextIOBase):
 
 def _work(pipe: Connection, job: Job) -> None:
     """Make pictures until no number comes."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # whoever started this hears it, and stops it
     sys.stderr = _Told(pipe)
     feed = _Feed(pipe)
     try:

@@ -46,7 +46,8 @@ def test_some_frames_of_cloth_that_moves_have_the_bits_of_all(renderer):
 
     def pose(i):
         positions = sheet.positions.astype(float)
-        positions[:, 1] += (0.05 + 0.01 * i) * np.sin(9 * positions[:, 0] + (0.2 if i < 2 else 2.0) * i)
+        wave = 0.15 * np.sin(9 * positions[:, 0] + 0.1 * i + (1.5 if i > 1 else 0.0))
+        positions += wave[:, None] * sheet.normals.mean(0)
         return build_mesh("pose", positions, sheet.triangles, sheet.uv)
 
     scene = Scene(fabric="linen", size=(24, 18), mesh="plane", quality="draft")
