@@ -52,6 +52,13 @@ def _hashed(rows: np.ndarray) -> np.ndarray:
     return total
 
 
+def _one_each(vertex: np.ndarray, key: np.ndarray, vertex_count: int) -> bool:
+    """Whether no vertex has two keys [C]."""
+    last = np.zeros(vertex_count, key.dtype)
+    last[vertex] = key
+    return bool((last[vertex] == key).all())
+
+
 def split_vertices(vertex: np.ndarray, key: np.ndarray, vertex_count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Give each distinct (vertex, key) pair of the corners its own vertex, and keep the order of the old ones.
 
@@ -59,9 +66,7 @@ def split_vertices(vertex: np.ndarray, key: np.ndarray, vertex_count: int) -> tu
     appended in order of appearance.  Returns (corner [C] new vertex numbers, source [V'] old vertex of each new one,
     first [V'] the first corner that uses it, -1 when none does).
     """
-    last = np.zeros((vertex_count, key.shape[1]), key.dtype)
-    last[vertex] = key
-    if (last[vertex] == key).all():  # no vertex has two keys
+    if all(_one_each(vertex, column, vertex_count) for column in key.T):
         first = np.full(vertex_count, -1, np.int64)
         first[vertex[::-1]] = np.arange(len(vertex))[::-1]
         return vertex, np.arange(vertex_count), first

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..errors import InputError
 from .coincident import distinct, split_vertices
-from .faces import Faces, dot, gathered, sums, unit
+from .faces import Faces, chunks, dot, gathered, sums, unit
 from .raw import Names, RawMesh, check_counts
 from .winding import dropped, turned
 
@@ -340,16 +340,25 @@ def _face_tangents(faces: Faces, uv: np.ndarray, N: np.ndarray) -> tuple[np.ndar
     dP/du = (e1 dv2 - e2 dv1) / (du1 dv2 - du2 dv1); the sign of that determinant says whether the UVs are mirrored,
     counted against N, which a file may point away from the winding's side.
     """
-    t = gathered(uv, faces.triangles)
-    e_1, e_2 = faces.edges[0], -faces.edges[2]
+    count = len(faces.triangles)
+    tangent, sign = np.empty((3, count)), np.empty((3, count))
+    for part in chunks(count):
+        tangent[:, part], sign[:, part] = _tangents_of_some(faces, part, uv, N)
+    return tangent, sign
+
+
+def _tangents_of_some(faces: Faces, part: slice, uv: np.ndarray, N: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    triangles, S = faces.triangles[part], faces.area[:, part]
+    t = gathered(uv, triangles)
+    e_1, e_2 = faces.edges[0, :, part], -faces.edges[2, :, part]
     with np.errstate(invalid="ignore", over="ignore"):
         d_1, d_2 = t[1] - t[0], t[2] - t[0]
         determinant = d_1[0] * d_2[1] - d_2[0] * d_1[1]
         # Relative: UVs may be in metres, texels or fractions; 1e-6 is what float32 UVs leave of a line.
         scale = np.maximum(np.maximum(_squared(d_1), _squared(d_2)), _squared(d_2 - d_1))
-        usable = np.isfinite(t).all(axis=(0, 1)) & (np.abs(determinant) > 1e-6 * scale) & (faces.area != 0).any(axis=0)
+        usable = np.isfinite(t).all(axis=(0, 1)) & (np.abs(determinant) > 1e-6 * scale) & (S != 0).any(axis=0)
         x = unit((e_1 * d_2[1] - e_2 * d_1[1]) * np.sign(determinant))
-    side = np.where(dot(gathered(N, faces.triangles), faces.area[None]) < 0, -1.0, 1.0)
+    side = np.where(dot(gathered(N, triangles), S[None]) < 0, -1.0, 1.0)
     return np.where(usable, x, 0.0), np.where(usable, np.sign(np.nan_to_num(determinant)), 0.0) * side
 
 

@@ -22,7 +22,7 @@ LEAST = {"v": 3, "vt": 1, "vn": 3}  # numbers of a line
 
 @dataclass(frozen=True, eq=False)
 class _Corners:
-    """The corners of all faces: v, vt, vn [C] from 0, -1 for one that is left out; the line of each face, its corners."""
+    """The corners of all faces: v, vt, vn [3, C] from 0, -1 for one that is left out; the line of each face, its corners."""
 
     index: np.ndarray
     lines: np.ndarray
@@ -53,17 +53,17 @@ def read_obj(blob: bytes, path: Path, colored: bool = False, grey: float | None 
     if not len(kinds["f"]):
         raise InputError(f"{where}: {len(values['v'])} vertices but no faces; export it with its faces (lines `f ...`)")
     faces = _faces(lines, kinds, where)
-    cut, polygon = triangulate(values["v"][:, :3], faces.index[:, 0], faces.counts)
+    cut, polygon = triangulate(values["v"][:, :3], faces.index[0], faces.counts)
     check_counts(where, triangles=len(cut))
-    corner, source, first = split_vertices(faces.index[:, 0], faces.index[:, 1:], len(values["v"]))
+    corner, source, first = split_vertices(faces.index[0], faces.index[1:].T, len(values["v"]))
     check_counts(where, len(source))
 
     def attribute(kind: str, column: int, width: int) -> np.ndarray | None:
-        if not len(values[kind]) or (faces.index[:, column] < 0).all():
+        if not len(values[kind]) or (faces.index[column] < 0).all():
             return None
         # Row -1 is NaN: the vertices no face uses, and the corners that name no value.
         rows = np.vstack([values[kind][:, :width], np.full((1, width), np.nan)])
-        return rows[np.where(first < 0, -1, faces.index[first, column])]
+        return rows[np.where(first < 0, -1, faces.index[column, first])]
 
     states = _states(lines)
     state_of = (np.searchsorted([s.line for s in states], faces.lines) - 1)[polygon]
@@ -74,7 +74,7 @@ def read_obj(blob: bytes, path: Path, colored: bool = False, grey: float | None 
     positions = values["v"]
     colors = None
     if colored and positions.shape[1] == 6 and np.isfinite(positions[:, 3:]).all() and not libraries:
-        colors = _vertex_colors(positions[:, 3:])[faces.index[:, 0]][cut].mean(1)
+        colors = _vertex_colors(positions[:, 3:])[faces.index[0]][cut].mean(1)
         materials = tuple(Material(name) for name in names)
     return RawMesh(
         np.ascontiguousarray(positions[source, :3]),
@@ -151,10 +151,12 @@ def _faces(lines: Lines, kinds: dict[str, np.ndarray], where: str) -> _Corners:
     check_counts(where, triangles=int(counts.sum()) - 2 * len(counts))
     index = _corner_numbers(text, int(counts.sum()))
     if index is None:
-        index = np.array([_corner(lines, line, w) for line in which.tolist() for w in lines.words(line)[1:]], np.int64)
+        index = np.array(
+            [_corner(lines, line, w) for line in which.tolist() for w in lines.words(line)[1:]], np.int64
+        ).T.copy()
     line_of = np.repeat(which.astype(np.int32), counts)
     for column, kind in enumerate(("v", "vt", "vn")):
-        given = index[:, column]
+        given = index[column]
         back = given < 0
         if back.any():
             given[back] += 1 + np.searchsorted(kinds[kind], line_of[back])
@@ -178,7 +180,7 @@ ZERO = -(1 << 40)  # stands for an index of 0 that the file gives, which is wron
 
 
 def _corner_numbers(text: Words, total: int) -> np.ndarray | None:
-    """v, vt, vn [C, 3] of all words v, v/vt, v//vn and v/vt/vn, 0 for one left out; None where a word is none of these."""
+    """v, vt, vn [3, C] of all words v, v/vt, v//vn and v/vt/vn, 0 for one left out; None where a word is none of these."""
     slashes, doubled, dangling = text.slashes()
     if dangling:
         return None
@@ -189,20 +191,20 @@ def _corner_numbers(text: Words, total: int) -> np.ndarray | None:
     numbers[numbers == 0] = ZERO
     if (width == width[0]).all():
         rows = numbers.reshape(total, -1)
-        index = np.zeros((total, 3), np.int64)
-        index[:, 0] = rows[:, 0]
+        index = np.zeros((3, total), np.int64)
+        index[0] = rows[:, 0]
         if rows.shape[1] > 1:
-            index[:, 2 if doubled[0] else 1] = rows[:, 1]
+            index[2 if doubled[0] else 1] = rows[:, 1]
         if rows.shape[1] > 2:
-            index[:, 2] = rows[:, 2]
+            index[2] = rows[:, 2]
         return index if (doubled == doubled[0]).all() else None
     begin = np.cumsum(width) - width
-    index = np.zeros((total, 3), np.int64)
-    index[:, 0] = numbers[begin]
+    index = np.zeros((3, total), np.int64)
+    index[0] = numbers[begin]
     with_uv = (slashes >= 1) & (doubled == 0)
-    index[with_uv, 1] = numbers[begin[with_uv] + 1]
+    index[1, with_uv] = numbers[begin[with_uv] + 1]
     with_normal = slashes == 2
-    index[with_normal, 2] = numbers[begin[with_normal] + width[with_normal] - 1]
+    index[2, with_normal] = numbers[begin[with_normal] + width[with_normal] - 1]
     return index
 
 

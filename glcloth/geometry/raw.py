@@ -9,8 +9,8 @@ import numpy as np
 
 from ..errors import InputError
 
-MOST_TRIANGLES = 1 << 22
-MOST_VERTICES = 1 << 22
+MOST_TRIANGLES = 3 << 20  # about 1.5 GB while they are read
+MOST_VERTICES = 3 << 20
 MOST_BYTES = 1 << 29  # of a file, and of all that it names
 
 Names = tuple[str, ...]  # of one part: material, group, object, as far as the file has them

@@ -40,7 +40,8 @@ class Lines:
         self._ends = np.flatnonzero(self._codes == NEWLINE)
         self._begins = np.concatenate([[0], self._ends[:-1] + 1])
         self._words = self._begins.copy()  # where the first word of each line begins
-        for line in np.flatnonzero(np.isin(self._codes[self._begins], (TAB, SPACE))).tolist():
+        begin = self._codes[self._begins]
+        for line in np.flatnonzero((begin == TAB) | (begin == SPACE)).tolist():
             text = self.text(line)
             self._words[line] += len(text) - len(text.lstrip())
 
@@ -61,7 +62,8 @@ class Lines:
         """The lines [L] whose first word this is."""
         code = word.encode()
         if len(code) == 1:
-            return np.flatnonzero(np.isin(self._initials, [code[0] * 256 + c for c in (SPACE, TAB, NEWLINE)]))
+            blank = [self._initials == code[0] * 256 + c for c in (SPACE, TAB, NEWLINE)]
+            return np.flatnonzero(blank[0] | blank[1] | blank[2])
         lines = np.flatnonzero(self._initials == code[0] * 256 + code[1])
         for k, letter in enumerate(code[2:], 2):
             lines = lines[self._codes[self._words[lines] + k] == letter]
