@@ -134,7 +134,7 @@ def tried(folder, room, change, seconds):
         try:
             done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, timeout=seconds)
         except subprocess.TimeoutExpired:
-            result, by = "caught", "took too long"
+            result, by = "undecided", "took too long"  # for the machine was busy, or for the fault
             break
         if done.returncode not in (0, 5):  # 5: no such test
             failed = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.M)
@@ -146,11 +146,11 @@ def tried(folder, room, change, seconds):
 
 def report(rows):
     """Print the score of each room, and the survivors."""
-    common.row("room", "caught", "survived")
-    common.row("---", "---", "---")
+    common.row("room", "caught", "survived", "undecided")
+    common.row("---", "---", "---", "---")
     for room in [*ROOMS, "all"]:
         count = Counter(row["result"] for row in rows if room in (row["room"], "all"))
-        common.row(room, count["caught"], count["survived"])
+        common.row(room, count["caught"], count["survived"], count["undecided"])
     for row in rows:
         if row["result"] == "survived":
             print(f"\n{row['file']}:{row['line']}\n  - {row['was']}\n  + {row['now']}")
