@@ -6,6 +6,7 @@ import pytest
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
+from glcloth.light.environment import Environment
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.frame import Cloth
 
@@ -62,10 +63,9 @@ def test_its_alpha_is_the_share_of_light_that_is_hidden(renderer, method):
     assert shadow.sum() > 5 and lit.sum() > 50
     assert picture[shadow][:, 3].min() > 0.95 and picture[lit][:, 3].max() < 0.05
     assert not picture[shadow | lit][:, :3].any(), "nothing but shadow"
-    over = renderer.render(cloths=[Cloth(both, linen)], **{**look, "background": True})
-    bare = renderer.render(cloths=[Cloth(both, linen)], **{**look, "background": True, "ground": "off"})
-    alpha = picture[..., 3:]
-    np.testing.assert_allclose(over[shadow | lit], ((1 - alpha) * bare)[shadow | lit], atol=1e-5)
+    even = Environment.from_array(np.full((8, 16, 3), 0.25))
+    over = renderer.render(cloths=[Cloth(both, linen)], environment=even, **{**look, "background": True})
+    np.testing.assert_allclose(over[shadow | lit], 0.25 * (1 - picture[shadow | lit][:, 3:].repeat(3, 1)), atol=1e-5)
 
 
 def test_it_fades_out_and_ends_nowhere(renderer):
@@ -75,11 +75,12 @@ def test_it_fades_out_and_ends_nowhere(renderer):
     light = lights(1.0, 1e-6, np.array([0.0, 1, -6]) / 37**0.5)
     look = {"mesh": wall, "size": SIZE, "quality": "draft", "lights": light, "background": False}
     look["camera"] = Camera((0, 1.4, 9), (0, 0.9, 0), fov_deg=30)
-    catcher, plane = (renderer.render(**look, ground=ground)[..., 3] for ground in ("catcher", "auto"))
-    horizon = np.flatnonzero((plane == 1).all(1))[0]
-    assert 0 < horizon < SIZE[1] // 2 and catcher[horizon - 1 : horizon + 2, [0, -1]].max() < 1e-3
+    layers = renderer.render(**look, ground="catcher", aovs="cryptomatte,depth,mask")
+    catcher = layers["beauty"][..., 3]
     y = np.arange(SIZE[1])[::-1] + 0.5
     d = np.stack([np.full_like(y, SIZE[0] / 2), y, np.ones_like(y)], -1) @ look["camera"].ray_from_pixel(SIZE).T
+    horizon = np.flatnonzero(d[:, 1] < 0)[0]
+    assert 0 < horizon < SIZE[1] // 2 and catcher[horizon - 1 : horizon + 2, [0, -1]].max() < 1e-3
     z = 9 - d[:, 2] * 1.4 / d[:, 1]
     alpha = catcher[:, SIZE[0] // 2]
     before, after = (z > 0.2) & (z < 1.4) & (d[:, 1] < 0), (z > 4.1) & (z < 5.5) & (d[:, 1] < 0)
@@ -87,5 +88,4 @@ def test_it_fades_out_and_ends_nowhere(renderer):
     between = (z > 1.6) & (z < 3.9) & (d[:, 1] < 0)
     t = (z[between] - 1.5) / 2.5
     np.testing.assert_allclose(alpha[between], 1 - t * t * (3 - 2 * t), atol=0.03)
-    layers = renderer.render(**look, ground="catcher", aovs="cryptomatte,depth,mask")
     assert layers.names["CryptoObject"] == ["wall"] and ((layers["depth"] < 1e9) == (layers["mask"] > 0)).all()
