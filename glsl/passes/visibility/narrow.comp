@@ -22,11 +22,18 @@ const float EDGE = 0.03;   // of V: vertices that see more of a light than that,
 // Whether vertices that see these shares may hide a shadow's edge from the pixels between them.
 bool at_edge(vec3 V) {
     float low = min(min(V.x, V.y), V.z), high = max(max(V.x, V.y), V.z);
+#ifdef SHEER
+    return high - low > EDGE;  // all may see the light through the same cloth
+#else
     return high > EDGE && low < 1.0 - EDGE;
+#endif
 }
 
 float seen_of(vec3 x, vec3 N, int first, float otherwise) {
     vec2 sum = vec2(0.0);
+#ifdef SHEER
+    vec2 range = vec2(1.0, 0.0);
+#endif
     int d = first;
     do {
         vec3 omega = texelFetch(direction_data, d).xyz;
@@ -34,7 +41,9 @@ float seen_of(vec3 x, vec3 N, int first, float otherwise) {
         if (w > 0.0) {
 #ifdef SHEER
             Visit first_hit;
-            sum += w * vec2(seen_along(x, omega, first_hit), 1.0);
+            float left = seen_along(x, omega, first_hit);
+            range = vec2(min(range.x, left), max(range.y, left));
+            sum += w * vec2(left, 1.0);
 #else
             Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
             Ray ray = make_ray(x, omega, 0.0, 3e38);
@@ -43,7 +52,11 @@ float seen_of(vec3 x, vec3 N, int first, float otherwise) {
 #endif
         }
         // The outer ones come first: where they agree, no edge crosses the light.
+#ifdef SHEER
+        if (++d == first + FIRST && range.y - range.x < EDGE) break;
+#else
         if (++d == first + FIRST && (sum.x == 0.0 || sum.x == sum.y)) break;
+#endif
     } while (d < first + direction_count);
     return sum.y > 0.0 ? sum.x / sum.y : otherwise;
 }
