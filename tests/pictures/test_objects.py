@@ -31,7 +31,7 @@ def ball(*materials, material_of=None):
     mesh = load_mesh("sphere")
     numbers = np.zeros(len(mesh.triangles), np.int32) if material_of is None else material_of
     colors = np.array([m.color for m in materials], np.float32)[numbers]
-    return Objects((mesh,), (colors,), None, (materials,), (numbers,))
+    return Objects((mesh,), (colors,), materials=(materials,), material_of=(numbers,))
 
 
 def picture(renderer, objects, lights=EVEN, **changes):
@@ -86,8 +86,9 @@ def test_a_picture_lies_on_the_ball_the_right_way_up(renderer):
     mesh = load_mesh("sphere")
     mesh = replace(mesh, uv=mesh.uv / mesh.uv.max(0))
     objects = Objects(
-        (mesh,), (np.ones((len(mesh.triangles), 3), np.float32),), None,
-        ((Material("m", (0.5, 1.0, 1.0), 1.0, 0.0, blob.getvalue()),),), (np.zeros(len(mesh.triangles), np.int32),),
+        (mesh,), (np.ones((len(mesh.triangles), 3), np.float32),),
+        materials=((Material("m", (0.5, 1.0, 1.0), 1.0, 0.0, blob.getvalue()),),),
+        material_of=(np.zeros(len(mesh.triangles), np.int32),),
     )  # fmt: skip
     shown = picture(renderer, objects, camera=Camera((0.0, 0.0, -2.2), (0.0, 0.0, 0.0), fov_deg=32.0))
     for place, code in (((14, 24), codes[0, 0]), ((34, 14), codes[40, 0]), ((34, 34), codes[40, 100])):

@@ -143,7 +143,7 @@ def test_files_are_read_in_their_unit(tmp_path, dress, capfd):
 
 
 def test_objects_stand_where_a_scene_says():
-    (mesh, _), (still, _) = load_solids(["stand@1,2,3,0.5,90", "stand"])
+    mesh, still = (solid.mesh for solid in load_solids(["stand@1,2,3,0.5,90", "stand"]))
     x = still.positions.astype(float)
     assert np.allclose(mesh.positions, 0.5 * np.stack([x[:, 2], x[:, 1], -x[:, 0]], 1) + (1, 2, 3), atol=1e-6)
     N = still.normals
