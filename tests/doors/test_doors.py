@@ -437,3 +437,9 @@ def test_a_garment_of_several_fabrics_travels_with_its_picture(tmp_path, capsys)
     assert "PART=voile" in fails(capsys, *out, "--fabric", "linen", "--fabric", "voile")
     assert "@x,y,z,scale,turn" in fails(capsys, *out, "--object", "stand@1,a")
     assert not (tmp_path / "c.exr").exists()
+
+
+def test_drape_says_which_pieces_there_are(tmp_path, capsys):
+    assert "did you mean skirt?" in fails(capsys, "drape", "skrit", "-o", tmp_path / "a.ply")
+    assert ".npz" in fails(capsys, "drape", "skirt", "-o", tmp_path / "a.stl")
+    assert list(tmp_path.iterdir()) == []
