@@ -1,4 +1,4 @@
-# make demo   draped silk under an HDR environment, from a bare checkout
+# make demo   a skirt of shot silk on a dress form, from a bare checkout
 # make test   the tests; says what it skipped and what would change that
 # make tools  what the window's tests are driven with
 # make lint   style
@@ -11,7 +11,7 @@ TOOLS := xvfb xdotool
 .PHONY: demo test tools lint equations clean
 
 demo: $(VENV)/.installed
-	$(RUN)glcloth render drape --method paper --spp 4 -o demo.png
+	$(RUN)glcloth render skirt -o demo.png
 	@echo "The picture is $(CURDIR)/demo.png. More: $(RUN)glcloth --help"
 
 test: $(VENV)/.tests

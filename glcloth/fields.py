@@ -25,6 +25,7 @@ def about(
     file: bool = False,
     slider: tuple[float, float] | None = None,
     log: bool = False,
+    repeat: bool = False,
     **limits: Any,
 ) -> Any:
     """A field of a `Value`.
@@ -35,9 +36,11 @@ def about(
     option : whether it is an option of the command line, or that option's name where it is not the field's
     file : whether it may name a file
     slider : ends of the window's slider, where these are not the limits; log : it is logarithmic
+    repeat : whether its option may be given several times
     limits : as pydantic's Field takes them: default, ge, gt, le, lt, min_length
     """
     extra = {"unit": unit, "of": of, "option": option, "file": file, "slider": slider, "log": log}
+    extra["repeat"] = repeat
     return Field(description=text, json_schema_extra=extra, **limits)
 
 
@@ -83,7 +86,8 @@ class Value(BaseModel):
         )
 
     def __hash__(self) -> int:
-        return hash((type(self), self._fields()))
+        values = (frozenset(v.items()) if isinstance(v, dict) else v for v in self._fields())
+        return hash((type(self), tuple(values)))
 
 
 # -- the description of a field ------------------------------------------------------------------------------------------
@@ -113,6 +117,7 @@ class Entry:
     file: bool
     slider: tuple[float, float] | None
     log: bool
+    repeat: bool
 
     @property
     def label(self) -> str:
@@ -145,7 +150,7 @@ def entries(model: type[BaseModel], names: tuple[str, ...] | None = None) -> lis
 
 def _entry(name: str, field: FieldInfo) -> Entry:
     kind, choices, metadata = _kind(field.annotation)
-    extra = {"unit": "", "of": "", "option": False, "file": False, "slider": None, "log": False}
+    extra = {"unit": "", "of": "", "option": False, "file": False, "slider": None, "log": False, "repeat": False}
     extra |= field.json_schema_extra if isinstance(field.json_schema_extra, dict) else {}
     option = extra.pop("option")
     extra["option"] = option if isinstance(option, str) else "--" + name.replace("_", "-") if option else ""

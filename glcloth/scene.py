@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import math
 import shlex
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -22,6 +23,7 @@ from .fabric import Fabric
 from .fields import Value, about, entries
 from .files import PACKAGE, atomic_write, is_file, path_of, read_toml
 from .ocio import ocio_view
+from .place import Place, split_place
 
 if TYPE_CHECKING:
     from .geometry.camera import Camera
@@ -170,14 +172,23 @@ class Scene(Value):
     model_config = ConfigDict(title="scene")
 
     # fmt: off
-    fabric: str | Fabric = option("", "built-in fabric, a .toml file or a draft (.wif)", default="silk_crepe_de_chine", file=True)
+    fabric: str | Fabric = option(
+        "", "built-in fabric, a .toml file or a draft (.wif); PART=FABRIC for a material, group or object alone (* and ? match "
+        "any); repeatable", default="silk_crepe_de_chine", file=True, repeat=True)
+    fabrics: dict[str, str | Fabric] = cloth(
+        "", "a table: PART = FABRIC; a whole name before a pattern, the longer pattern first", default_factory=dict,
+        option=False, file=True)
     threads: bool = cloth(
         "", "threads where one comes near, of a fabric with a weave (direct, reference)", default=True)
     uv_scale: float = cloth(
         "m", "length of a UV unit of the mesh, for the size of threads; 0: measured", default=0.0, ge=0, le=1000)
-    mesh: str = cloth("", "built-in mesh or a file (.obj .ply .glb .gltf)", default="drape", file=True)
+    mesh: str | tuple[str, ...] = cloth(
+        "", "built-in mesh or a file (.obj .ply .glb .gltf); repeatable", default="drape", file=True, repeat=True)
     objects: tuple[str, ...] = cloth(
-        "", "mesh that stands by the cloth, matt, in its own colours; repeatable", default=(), option="--object", file=True)
+        "", "mesh that stands by the cloth, in its own colours; behind it @x,y,z,scale,turn (metres, factor, degrees about "
+        "+Y), as many as are needed; repeatable", default=(), option="--object", file=True, repeat=True)
+    units: Literal["auto", "m", "dm", "cm", "mm", "in"] = cloth(
+        "", "of the lengths in mesh files; auto: metres, but for cloth that would be 20 m or more", default="auto")
     ground: float | Literal["off", "auto", "catcher"] = cloth(
         "m", "height of a ground; alone or auto: just under the lowest point; catcher: there, but only its shadow is seen; or "
         "off", default="off")
@@ -293,7 +304,20 @@ class Scene(Value):
     @field_validator("objects", mode="before")
     @classmethod
     def _objects(cls, value):
-        return (value,) if isinstance(value, str) else value
+        value = (value,) if isinstance(value, str) else value
+        for text in value if isinstance(value, list | tuple) else ():
+            if isinstance(text, str):
+                Place.of(split_place(text)[1])
+        return value
+
+    @field_validator("mesh", mode="before")
+    @classmethod
+    def _meshes(cls, value):
+        if isinstance(value, list | tuple) and len(value) < 2:
+            if not value:
+                raise ValueError("names no mesh; give one, such as drape")
+            return value[0]
+        return value
 
     @field_validator("ground", mode="before")
     @classmethod
@@ -357,18 +381,18 @@ class Scene(Value):
         return tuple(new if one.name == name else one for one in self.bookmarks)
 
     @property
+    def meshes(self) -> tuple[str, ...]:
+        """The names and files of all meshes."""
+        return (self.mesh,) if isinstance(self.mesh, str) else self.mesh
+
+    @property
     def kind(self) -> Kind:
         """Whether it is cloth under an environment or the curtain."""
         return "cloth" if self.curtain is None else "curtain"
 
     def stored(self) -> dict:
         """Its plain values as a picture keeps them: files by their whole path, so that it renders from any folder."""
-        data = self.model_dump(mode="json", exclude_none=True)
-        for entry in entries(Scene):
-            if entry.file and entry.name in data:
-                value = data[entry.name]
-                data[entry.name] = [_whole(v) for v in value] if isinstance(value, list) else _whole(value)
-        return data
+        return _with_paths(self.model_dump(mode="json", exclude_none=True), _whole)
 
     def differences(self) -> dict:
         """The plain values that differ from those of a new scene of its kind, as a file or a script holds them."""
@@ -390,8 +414,46 @@ def kind_of(name: str) -> Kind | Literal[""]:
     return of if of in ("", "curtain") else "cloth"
 
 
-def _whole(name: Any) -> Any:
-    return str(Path(name).resolve()) if isinstance(name, str) and name and is_file(name) else name
+def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
+    """Plain values of a scene whose names and files have gone through `change`."""
+
+    def changed(value: Any) -> Any:
+        if isinstance(value, list):
+            return [changed(part) for part in value]
+        if not isinstance(value, str) or not value:
+            return value
+        name, place = split_place(value)
+        return change(name) + (f"@{place}" if place else "")
+
+    out = dict(data)
+    for entry in entries(Scene):
+        if entry.file and entry.name in data:
+            value = data[entry.name]
+            table = entry.name == "fabrics" and isinstance(value, dict)
+            out[entry.name] = {part: changed(v) for part, v in value.items()} if table else changed(value)
+    return out
+
+
+def _whole(name: str) -> str:
+    return str(Path(name).resolve()) if is_file(name) else name
+
+
+def _is_path(name: str) -> bool:
+    """Whether a name is none of the built-in ones, which have neither folder nor suffix."""
+    return Path(name).suffix != "" or len(Path(name).parts) > 1
+
+
+def _beside(folder: Path, name: str) -> str:
+    """A path that a file in `folder` holds."""
+    return str(folder / name) if _is_path(name) else name
+
+
+def _from(folder: Path, name: str) -> str:
+    """A path as a file in `folder` holds it: relative to it where it lies below, else whole."""
+    if not _is_path(name):
+        return name
+    path = Path(name).resolve()
+    return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else str(path)
 
 
 def builtin_scenes() -> list[str]:
@@ -400,13 +462,15 @@ def builtin_scenes() -> list[str]:
 
 
 def load_scene(name_or_path: str | Path | Scene) -> Scene:
-    """Return a built-in scene, one read from a TOML file, or the one that a picture of ours was rendered from.
+    """Return a built-in scene, one read from a TOML file (its paths are relative to it), or the one that a picture of ours was
+    rendered from.
 
     Raises InputError for an unknown name (with a suggestion), a malformed file, or a picture without a scene in it.
     """
     if isinstance(name_or_path, Scene):
         return name_or_path
     text, path = str(name_or_path), path_of(name_or_path)
+    folder = path.parent
     if path.suffix.lower() in (".exr", ".png"):
         return Scene.parse(_of_picture(path), text)
     if path.suffix != ".toml":
@@ -421,11 +485,11 @@ def load_scene(name_or_path: str | Path | Scene) -> Scene:
             raise InputError(
                 f'scene "{text}": not a built-in scene ({", ".join(names)}) and not a .toml, .exr or .png file{hint}'
             )
-        path = SCENES / f"{text}.toml"
+        path, folder = SCENES / f"{text}.toml", Path()
     data = read_toml(path, "a scene file (.toml)")
     if "yarn" in data:
         raise InputError(f"{path}: a fabric and not a scene; use --fabric {shlex.quote(text)}")
-    return Scene.parse(data, text)
+    return Scene.parse(_with_paths(data, partial(_beside, folder)), text)
 
 
 def _of_picture(path: Path) -> dict:
@@ -448,11 +512,13 @@ def header(scene: Scene) -> dict:
 
 
 def save_scene(path: str | Path, scene: Scene) -> None:
-    """Write a scene file that `load_scene` reads back to an equal Scene. Raises InputError if it cannot be written."""
+    """Write a scene file that `load_scene` reads back to an equal Scene, but for how paths are written: they are relative
+    to the file, or whole. Raises InputError if it cannot be written."""
     import tomli_w
 
     # A curtain that does not say its frame begins in the window where its wind does.
     unsaid = {"frame"} - scene.model_fields_set
     data = scene.model_dump(mode="json", exclude_none=True, exclude=unsaid)
+    data = _with_paths(data, partial(_from, Path(path).resolve().parent))
     with atomic_write(path) as temporary:
         temporary.write_text(tomli_w.dumps(data), encoding="utf-8")

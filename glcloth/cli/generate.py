@@ -8,7 +8,7 @@ The options are a file, so that the command line knows them without loading the 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, get_args, get_origin
+from typing import Any, get_args
 
 from ..fields import Entry, Value, entries
 from ..files import PACKAGE
@@ -49,7 +49,7 @@ def _said(value: Any) -> str:
     """A default as a scene file has it."""
     if isinstance(value, bool):
         return str(value).lower()
-    if value is None or value == "" or isinstance(value, Value):
+    if value is None or value in ("", {}) or isinstance(value, Value):
         return ""
     return str(list(value) if isinstance(value, tuple) else value)
 
@@ -76,10 +76,11 @@ def scene_options() -> str:
     for model in (Scene, View, CurtainParameters):
         for entry in entries(model):
             if entry.option:
-                kind = _type(model.model_fields[entry.name].annotation)
-                named = entry.option != "--" + entry.name.replace("_", "-")
+                several = entry.repeat or entry.kind == "list"
+                kind = "list[str]" if several else _type(model.model_fields[entry.name].annotation)
+                named = several or entry.option != "--" + entry.name.replace("_", "-")
                 name = f'name="{entry.option}", ' if named else ""
-                name += 'negative="", ' if entry.kind == "list" else ""
+                name += 'negative="", ' if several else ""
                 text = _help(entry, "curtain" if model is CurtainParameters else entry.of)
                 lines.append(f'    {entry.name}: Annotated[{kind} | None, Parameter({name}help="{text}")] = None')
     return "\n".join(lines) + "\n"
@@ -88,8 +89,6 @@ def scene_options() -> str:
 def _type(annotation: Any) -> str:
     """The type that an option is read as; the scene parses the rest of a text, and reports its errors."""
     annotation = float if get_args(annotation) == (float, type(None)) else annotation
-    if get_origin(annotation) is tuple and get_args(annotation)[-1] is Ellipsis:
-        return "list[str]"
     return annotation.__name__ if annotation in (bool, int, float) else "str"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
@@ -13,6 +14,24 @@ if TYPE_CHECKING:
     from ..scene import Scene, View
 
 
+def _fabrics(given: list[str], scene: Scene) -> dict[str, Any]:
+    """The fields that FABRIC and PART=FABRIC change; a file with an = in its name is itself."""
+    parts = [text.partition("=") for text in given if "=" in text and not Path(text).is_file()]
+    plain = [text for text in given if "=" not in text or Path(text).is_file()]
+    if len(set(plain)) > 1:
+        raise InputError(
+            f"--fabric {plain[0]} --fabric {plain[1]}: expected one for all cloth; for a part say PART={plain[1]}"
+        )
+    changes: dict[str, Any] = {"fabric": plain[0]} if plain else {}
+    for part, _, fabric in parts:
+        if not part or not fabric:
+            raise InputError(f"--fabric {part}={fabric}: expected PART=FABRIC, such as Lining=voile")
+    if parts:
+        named = {part: fabric for part, _, fabric in parts}
+        changes["fabrics"] = {**scene.fabrics, **named}
+    return changes
+
+
 def scene_of(name: str | None, options: SceneOptions | None = None, **changes: Any) -> Scene:
     """The scene of a command: a name or file, and the options that were given. Raises InputError."""
     from ..scene import CurtainParameters, Scene, View, load_scene
@@ -20,6 +39,7 @@ def scene_of(name: str | None, options: SceneOptions | None = None, **changes: A
     given = {} if options is None else {field.name: getattr(options, field.name) for field in fields(options)}
     changes = {key: value for key, value in {**given, **changes}.items() if value is not None}
     scene = load_scene(name) if name else Scene()
+    changes |= _fabrics(changes.pop("fabric", []), scene)
     table = {key: changes.pop(key) for key in CurtainParameters.model_fields if key in changes}
     if table and scene.curtain is None:
         raise InputError(f"--{next(iter(table))}: belongs to the curtain; give its scene: glcloth render curtain")

@@ -13,11 +13,12 @@ from cyclopts import Parameter
 class SceneOptions:
     """What to render; an option that is not given keeps the scene's value."""
 
-    fabric: Annotated[str | None, Parameter(help="Built-in fabric, a .toml file or a draft (.wif).")] = None
+    fabric: Annotated[list[str] | None, Parameter(name="--fabric", negative="", help="Built-in fabric, a .toml file or a draft (.wif); PART=FABRIC for a material, group or object alone (* and ? match any); repeatable.")] = None
     threads: Annotated[bool | None, Parameter(help="Threads where one comes near, of a fabric with a weave (direct, reference).")] = None
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
-    mesh: Annotated[str | None, Parameter(help="Built-in mesh or a file (.obj .ply .glb .gltf).")] = None
-    objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, matt, in its own colours; repeatable.")] = None
+    mesh: Annotated[list[str] | None, Parameter(name="--mesh", negative="", help="Built-in mesh or a file (.obj .ply .glb .gltf); repeatable.")] = None
+    objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, in its own colours; behind it @x,y,z,scale,turn (metres, factor, degrees about +Y), as many as are needed; repeatable.")] = None
+    units: Annotated[str | None, Parameter(help="Of the lengths in mesh files; auto: metres, but for cloth that would be 20 m or more (auto, m, dm, cm, mm or in).")] = None
     ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; catcher: there, but only its shadow is seen; or off (m).")] = None
     ground_color: Annotated[str | None, Parameter(help="What the ground reflects, R,G,B (0 to 1 linear Rec. 709).")] = None
     env: Annotated[str | None, Parameter(help="Built-in environment or a .hdr or .exr file.")] = None

@@ -1,4 +1,4 @@
-"""`glcloth animate`: a sequence of pictures; `glcloth drape`: the built-in cloth made again."""
+"""`glcloth animate`: a sequence of pictures; `glcloth drape`: the built-in cloths made again."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 from ..errors import InputError
-from ..files import check_writable
+from ..files import atomic_write, check_writable
 from ..progress import say, track
 from .common import Device, Json, output_option, tell
 from .many import Many
@@ -86,7 +86,9 @@ def _film_here(film: Film, start: int, video: bool) -> None:
     with ExitStack() as stack:
         renderer = stack.enter_context(Renderer(film.device))
         poses = film.poses(renderer, stack)
-        pictures = sequence.pictures(renderer, film.start, film.frames, start, poses, film.around, film.turn_env, film.first)
+        pictures = sequence.pictures(
+            renderer, film.start, film.frames, start, poses, film.around, film.turn_env, film.first
+        )
         if video:
             written = sequence.write_video(pictures, Path(film.output), film.rate, *look)
         else:
@@ -120,16 +122,41 @@ def _check_numbers(frames: int, start: int, rate: int, turn_env: float) -> None:
 
 
 def drape(
-    *, output: Annotated[Path, output_option("Mesh to write, .ply, .obj or .glb.")], device: Device = None
+    piece: str = "drape",
+    /,
+    *,
+    output: Annotated[Path, output_option("Mesh to write, .ply, .obj or .glb; .npz: the simulated vertices alone.")],
+    device: Device = None,
 ) -> None:
-    """Make the built-in cloth again by simulation: a sheet that falls over a sphere and a table's edge."""
+    """Make a built-in cloth again by simulation.
+
+    Parameters
+    ----------
+    piece
+        drape: a sheet that falls over a sphere and a table's edge; throw: one over a ball on a pedestal; skirt: gathered, on a
+        dress form; folds: a length in folds a hand high.
+    """
     from ..geometry.mesh_files import SAVE_SUFFIXES, save_mesh
+    from ..geometry.pieces import piece_mesh
+    from ..geometry.spline import packed
     from ..gpu.context import create_context
     from ..simulation.drape import drape as simulate
+    from ..simulation.pieces import check_piece, simulated
 
-    if output.suffix.lower() not in SAVE_SUFFIXES:
-        raise InputError(f"{output}: cannot write {output.suffix or 'a file without suffix'}, expected {SAVE_SUFFIXES}")
+    suffixes = SAVE_SUFFIXES if piece == "drape" else (*SAVE_SUFFIXES, ".npz")
+    if output.suffix.lower() not in suffixes:
+        raise InputError(f"{output}: cannot write {output.suffix or 'a file without suffix'}, expected {suffixes}")
     check_writable(output)
-    mesh = simulate(create_context(device))
+    if piece == "drape":
+        mesh = simulate(create_context(device))
+    else:
+        check_piece(piece)
+        positions, size = simulated(create_context(device), piece)
+        if output.suffix.lower() == ".npz":
+            with atomic_write(output) as temporary:
+                temporary.write_bytes(packed(positions, size))
+            say(f"{output}: {positions.shape[0]} x {positions.shape[1]} vertices")
+            return
+        mesh = piece_mesh(piece, positions, size)
     save_mesh(output, mesh)
     say(f"{output}: {len(mesh.triangles)} triangles")

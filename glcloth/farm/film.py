@@ -13,9 +13,9 @@ import numpy as np
 
 from ..errors import InputError
 from ..geometry.mesh import Mesh
-from ..geometry.mesh_files import load_mesh
 from ..image import write_image
 from ..picture import sequence
+from ..picture.cloths import load_meshes
 from ..picture.renderer import Renderer
 from ..scene import Scene, header
 from ..simulation.drape import Swaying
@@ -58,7 +58,8 @@ class Film:
     def start(self) -> Scene:
         """The scene as it is prepared: with the first pose, and with the rate of a curtain."""
         if self.files:
-            return self.scene.changed(mesh=str(self.files[self.first]))
+            first = str(self.files[self.first])
+            return self.scene.changed(mesh=first, units=load_meshes([first], self.scene.units)[1])  # of all poses
         return self.scene if self.scene.curtain is None else self.scene.changed(rate=self.rate)
 
     @property
@@ -70,7 +71,7 @@ class Film:
     def poses(self, renderer: Renderer, stack: ExitStack) -> Callable[[int], Mesh] | None:
         """The mesh of each frame of a cloth that moves, asked for in ascending order; None for one that rests."""
         if (files := self.files) is not None:
-            return lambda number: load_mesh(files[number])
+            return lambda number: load_meshes([str(files[number])], self.start.units)[0][0]
         if self.wind is None:
             return None
         swaying = Swaying(renderer.ctx, self.wind)

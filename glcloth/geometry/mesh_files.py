@@ -13,17 +13,20 @@ from ..files import PACKAGE, atomic_write, path_of, read_bytes
 from ..progress import warn
 from . import shapes
 from .gltf_scene import read_gltf
-from .materials import mean_color
+from .materials import colors_at, mean_color
 from .mesh import Mesh, assembled, build_mesh
 from .mesh_write import glb_bytes, obj_text, ply_bytes
 from .obj import read_obj
+from .pieces import SAMPLES, load_piece
 from .ply import read_ply
-from .raw import MOST_BYTES, RawMesh
+from .raw import MOST_BYTES, Material, RawMesh
 from .stl_off import read_off, read_stl
+from .supports import backdrop, form, pedestal, together
 
 MESHES = PACKAGE / "meshes"
-BUILTIN_MESHES = ("drape", "sphere", "plane", "cylinder")
-BUILTIN_SOLIDS = ("stand",)  # objects only
+BUILTIN_MESHES = ("drape", *SAMPLES, "sphere", "plane", "cylinder")
+SUPPORTS = {"form": form, "pedestal": pedestal, "backdrop": backdrop}
+BUILTIN_SOLIDS = ("stand", *SUPPORTS)  # objects only
 MESH_SUFFIXES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
 SAVE_SUFFIXES = (".ply", ".obj", ".glb")
 GREY = 0.5  # reflectance of an object whose file gives no colour
@@ -53,7 +56,20 @@ def load_solid(name_or_path: str | Path) -> tuple[Mesh, np.ndarray]:
     """Load a mesh as `load_mesh` does, as an object that is no cloth, and the diffuse reflectance [T, 3] (linear) of its
     triangles: Kd of an OBJ's materials, the base colour of a glTF's, a PLY's colours, else GREY. Raises InputError as
     `load_mesh`, and for materials that are missing or damaged."""
-    return _load(name_or_path, True)
+    return load_object(name_or_path)[:2]
+
+
+def load_object(name_or_path: str | Path) -> tuple[Mesh, np.ndarray, tuple[Material, ...], np.ndarray]:
+    """As `load_solid`, with the materials of the file and the number [T] of each triangle's among them."""
+    path = Path(name_or_path)
+    if not path.is_file() or path.suffix.lower() not in MESH_SUFFIXES:
+        mesh, colors = _load(name_or_path, True)
+        return mesh, colors, (Material(),), np.zeros(len(mesh.triangles), np.int32)
+    raw = read_mesh(path, True)
+    mesh, kept = assembled(raw, path.stem, str(path))
+    materials, material_of = raw.materials or (Material(),), raw.material_of
+    numbers = np.zeros(len(raw.triangles), np.int32) if material_of is None else material_of
+    return mesh, reflectances(raw, str(path))[kept], materials, numbers[kept]
 
 
 def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | None]:
@@ -65,6 +81,8 @@ def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | N
     names = (*BUILTIN_MESHES, *BUILTIN_SOLIDS) if colored else BUILTIN_MESHES
     if colored and str(name_or_path) == "stand" and path.parent == Path("."):
         return _stand()
+    if colored and str(name_or_path) in SUPPORTS and path.parent == Path("."):
+        return SUPPORTS[str(name_or_path)]()
     if not path.suffix and not path.exists():
         close = difflib.get_close_matches(str(name_or_path), names, 1)
         hint = f"did you mean {close[0]}?" if close else f"built in are {', '.join(names)}; or give a file"
@@ -100,10 +118,14 @@ def read_mesh(path: Path, colored: bool = False) -> RawMesh:
 
 
 def reflectances(raw: RawMesh, where: str) -> np.ndarray:
-    """The diffuse reflectance [T, 3] float32, linear, of triangles: their materials' colours, textures by their mean."""
+    """The diffuse reflectance [T, 3] float32, linear, of triangles: their materials' colours, pictures coarsely, or by their mean."""
     rows = np.full((len(raw.triangles), 3), GREY if raw.colors is None else 1.0)
     if raw.materials and raw.material_of is not None:
-        rows = np.array([mean_color(material, where) for material in raw.materials])[raw.material_of]
+        rows = np.zeros((len(raw.triangles), 3))
+        for number, material in enumerate(raw.materials):
+            mine = raw.material_of == number
+            found = None if raw.uv is None else colors_at(material, raw.uv[raw.triangles[mine]], where)
+            rows[mine] = mean_color(material, where) if found is None else found
     return (rows if raw.colors is None else rows * raw.colors).astype(np.float32)
 
 
@@ -115,6 +137,8 @@ def load_view(name: str) -> dict | None:
 def _builtin(name: str) -> Mesh:
     if name == "drape":
         return assembled(read_mesh(MESHES / "drape.ply"), name, name)[0]
+    if name in SAMPLES:
+        return load_piece(name, MESHES)
     positions, triangles, uv, normals = getattr(shapes, name)()
     return build_mesh(name, positions, triangles, uv, normals)
 
@@ -129,15 +153,7 @@ def _stand() -> tuple[Mesh, np.ndarray]:
         (shapes.rounded_box(plinth.mean(0), (plinth[1] - plinth[0]) / 2, 0.004, 0.08, 1), (0.20, 0.18, 0.17)),
         ((x + BALL[0], triangles, N), (0.55, 0.53, 0.50)),
     ]
-    firsts = np.cumsum([0, *(len(part[0]) for part, _ in parts)])
-    whole = RawMesh(
-        np.concatenate([part[0] for part, _ in parts]),
-        np.concatenate([part[1] + first for (part, _), first in zip(parts, firsts, strict=False)]),
-        None,
-        np.concatenate([part[2] for part, _ in parts]),
-    )
-    mesh, kept = assembled(whole, "stand", "stand")
-    return mesh, np.concatenate([np.tile(np.float32(color), (len(part[1]), 1)) for part, color in parts])[kept]
+    return together("stand", parts)
 
 
 def save_mesh(path: str | Path, mesh: Mesh) -> None:

@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from ..place import Place, split_place
 from . import shapes
 from .graded import graded
 from .mesh import Mesh, build_mesh, relative_to
-from .mesh_files import load_solid
+from .mesh_files import BUILTIN_MESHES, BUILTIN_SOLIDS, load_object
+from .placing import METRES, guessed_unit, placed
+from .raw import Material
 
 GAP = 0.002  # of the cloth's radius: how far below the lowest point a ground lies that is given no height
 FARTHEST = 3.0  # radii of the cloth: how far about it the ground is drawn finely for the sake of objects
@@ -57,7 +62,7 @@ class Ground:
 
 @dataclass(frozen=True, eq=False)
 class Objects:
-    """Lambertian objects and an optional ground.
+    """Objects and an optional ground.
 
     Parameters
     ----------
@@ -65,12 +70,15 @@ class Objects:
     reflectances : of each mesh [T, 3], linear Rec. 709
     ground : None where there is none
     graded : whether the triangles of each mesh grow with their distance from the cloth; (): of none
+    materials, material_of : of each mesh its materials, and the number of each triangle's among them [T]; none: all matt
     """
 
     meshes: tuple[Mesh, ...] = ()
     reflectances: tuple[np.ndarray, ...] = field(default=())
     ground: Ground | None = None
     graded: tuple[bool, ...] = ()
+    materials: tuple[tuple[Material, ...], ...] = ()
+    material_of: tuple[np.ndarray, ...] = ()
 
     @property
     def empty(self) -> bool:
@@ -85,28 +93,57 @@ class Objects:
         return places[0] == places[1] and all(a is b for a, b in zip(self.meshes, other.meshes, strict=True))
 
 
-Solid = tuple[Mesh, np.ndarray]  # a mesh and the reflectances [T, 3] of its triangles
+class Solid(NamedTuple):
+    """A mesh, the reflectances [T, 3] of its triangles, its materials and the number of each triangle's among them [T]."""
+
+    mesh: Mesh
+    reflectances: np.ndarray
+    materials: tuple[Material, ...]
+    material_of: np.ndarray
 
 
-def load_solids(names: Sequence[str]) -> tuple[Solid, ...]:
-    """Read meshes of built-in names or files with their colours. Raises InputError as `load_solid`."""
-    known = {name: load_solid(name) for name in dict.fromkeys(names)}
-    return tuple(known[name] for name in names)
+def load_solids(names: Sequence[str], unit: str = "m", guessed: bool = True) -> tuple[Solid, ...]:
+    """Read meshes of built-in names or files with their colours, and set each where it stands.
+
+    Parameters
+    ----------
+    names : NAME@x,y,z,scale,turn; what follows the name may be missing
+    unit : of the lengths in files
+    guessed : from the cloth; a glTF, whose lengths ought to be metres, then has to be too large for metres itself
+
+    Raises InputError as `load_solid`.
+    """
+    split = [split_place(name) for name in names]
+    known = {name: Solid(*load_object(name)) for name in dict.fromkeys(name for name, _ in split)}
+    return tuple(_standing(known[name], name, Place.of(place), unit, guessed) for name, place in split)
+
+
+def _standing(solid: Solid, name: str, place: Place, unit: str, guessed: bool) -> Solid:
+    in_metres = name in (*BUILTIN_MESHES, *BUILTIN_SOLIDS)
+    if guessed and Path(name).suffix.lower() in (".glb", ".gltf"):
+        in_metres |= guessed_unit([solid.mesh]) == "m"
+    scale = place.scale * (1.0 if in_metres else METRES[unit])
+    return solid._replace(mesh=placed(solid.mesh, scale, place.turn_deg, place[:3]))
 
 
 def arrange(solids: Sequence[Solid], ground: float | str, color, cloth: Mesh) -> Objects:
     """Objects and ground about a cloth, as a scene says: `ground` is a height, "auto", "catcher" or "off"."""
     # A cloth far from the origin was moved there, and what stands about it with it.
-    whole = [relative_to(solid[0], cloth.origin) for solid in solids]
+    whole = [relative_to(solid.mesh, cloth.origin) for solid in solids]
     cut = [graded(mesh, tuple(cloth.center.tolist()), cloth.radius) for mesh in whole]
-    meshes = tuple(mesh for mesh, _ in cut)
-    reflectances = tuple(solid[1][source] for solid, (_, source) in zip(solids, cut, strict=True))
-    finer = tuple(mesh is not before for mesh, before in zip(meshes, whole, strict=True))
+    sources = [source for _, source in cut]
+    objects = Objects(
+        tuple(mesh for mesh, _ in cut),
+        tuple(solid.reflectances[source] for solid, source in zip(solids, sources, strict=True)),
+        graded=tuple(mesh is not before for (mesh, _), before in zip(cut, whole, strict=True)),
+        materials=tuple(solid.materials for solid in solids),
+        material_of=tuple(solid.material_of[source] for solid, source in zip(solids, sources, strict=True)),
+    )
     if ground == "off":
-        return Objects(meshes, reflectances, graded=finer)
+        return objects
     height = None if ground in ("auto", "catcher") else float(ground) - cloth.origin[1]
-    stands = replace(stand_on(cloth, meshes, height, color), catcher=ground == "catcher")
-    return Objects(meshes, reflectances, stands, graded=finer)
+    stands = replace(stand_on(cloth, objects.meshes, height, color), catcher=ground == "catcher")
+    return replace(objects, ground=stands)
 
 
 def stand_on(cloth: Mesh, meshes: Sequence[Mesh], height: float | None, color) -> Ground:

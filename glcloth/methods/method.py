@@ -128,9 +128,9 @@ class Method:
         """What `#include` means in `behind`, by name."""
         return {}
 
-    def solids_program(self, defines: dict[str, Any]) -> Draw:
-        """Where it `lights_solids`: the program of passes/picture/lambert.frag, for `inputs` and `passes`, with more
-        constants."""
+    def solids_program(self, path: str, defines: dict[str, Any]) -> Draw:
+        """Where it `lights_solids`: the program of passes/picture/lambert.frag or object.frag, for `inputs` and `passes`, with
+        more constants."""
         raise NotImplementedError
 
     def open_irradiance(self) -> np.ndarray:

@@ -218,10 +218,10 @@ class Reference(Method):
         sheer = self._geometry.sheets is not None
         return "inputs/visibility/along_sheer.glsl" if sheer else "inputs/visibility/along_ray.glsl"
 
-    def solids_program(self, defines: dict[str, Any]) -> Draw:
+    def solids_program(self, path: str, defines: dict[str, Any]) -> Draw:
         """The program that lights what stands about the cloth by the same sum."""
         virtual = {"lit.glsl": "inputs/visibility/lit_sum.glsl", "along.glsl": self._along, **self.includes()}
-        return programs(self.ctx).screen("passes/picture/lambert.frag", {**self.defines(), **defines}, virtual)
+        return programs(self.ctx).screen(path, {**self.defines(), **defines}, virtual)
 
     def passes(self) -> Iterator[dict[str, Any]]:
         """So many directions at a time."""

@@ -15,6 +15,7 @@ from ..files import is_file
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view
+from ..geometry.parts import joined
 from ..geometry.props import Objects, arrange, load_solids
 from ..geometry.views import view_by_name
 from ..gpu.memo import Last
@@ -23,16 +24,10 @@ from ..light.fit import fit_lights
 from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..light.lights_file import load_lights
 from ..methods.settings import Settings
+from ..place import split_place
 from ..scene import Scene, View, load_scene
 from ..visibility.pixels import is_next_pose
-
-
-@dataclass(frozen=True, eq=False)
-class Cloth:
-    """One cloth of a frame: a mesh and its fabric."""
-
-    mesh: Mesh
-    fabric: Fabric
+from .cloths import Cloth, Dressing, in_metres, unit_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +39,7 @@ class Frame:
     cloths : at least one
     lights : in world space, the turn of the environment included
     objects : those around the cloths; None: none
+    all_cloth : all cloth in one mesh; None: that of the first
     """
 
     scene: Scene
@@ -53,6 +49,12 @@ class Frame:
     camera: Camera
     settings: Settings
     objects: Objects | None = None
+    all_cloth: Mesh | None = None
+
+    @property
+    def whole(self) -> Mesh:
+        """All cloth in one mesh, to frame it and to stand it on a ground."""
+        return self.all_cloth or self.mesh
 
     @property
     def mesh(self) -> Mesh:
@@ -85,7 +87,11 @@ class Frames:
 
     def __init__(self) -> None:
         self.follow = False  # the next mesh with the same triangles is the next pose of a cloth that moves
-        self._files: dict[Callable, Last] = {}
+        self._files: dict[Any, Last] = {}
+        self._dressing = Dressing()
+        self._metres: Last[tuple[Mesh, ...]] = Last()
+        self._unit = "m"  # of the lengths in the cloths' files
+        self._whole: Last[Mesh] = Last()
         self._fit: Last[Lights] = Last()
         self._rotated: Last[Lights] = Last()
         self._solids: Last = Last()
@@ -98,7 +104,7 @@ class Frames:
         scene: Scene | str | None = None,
         *,
         fabric: Fabric | str | None = None,
-        mesh: Mesh | str | None = None,
+        mesh: Mesh | str | Sequence[Mesh | str] | None = None,
         cloths: Sequence[Cloth] = (),
         environment: Environment | str | None = None,
         lights: Lights | SphericalGaussians | None = None,
@@ -115,19 +121,36 @@ class Frames:
         scene = scene.changed(**changes) if changes else scene
         if scene.curtain is not None:
             raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")
-        cloths = tuple(cloths) or (self._cloth(scene, mesh, fabric),)
+        meshes = tuple(one.mesh for one in cloths) or self._meshes(scene, mesh)
+        cloths = tuple(cloths) or self._dressed(scene, meshes, fabric)
+        whole = self._whole.get(lambda: joined(meshes), meshes)
         environment = self.environment(environment or scene.env, scene)
         lights = self._lights(scene, environment) if lights is None else as_lights(lights)
-        first = cloths[0].mesh
-        objects = self._arranged(scene, first) if objects is None else objects
+        objects = self._arranged(scene, whole) if objects is None else objects
         objects = None if objects is None or objects.empty else objects
-        camera = camera or default_camera(first, scene)
-        return Frame(scene, cloths, environment, lights, camera, _settings(scene, environment), objects)
+        camera = camera or default_camera(whole, scene)
+        return Frame(scene, cloths, environment, lights, camera, _settings(scene, environment), objects, whole)
 
-    def _cloth(self, scene: Scene, mesh: Mesh | str | None, fabric: Fabric | str | None) -> Cloth:
-        """The cloth of a scene, or one with another mesh or fabric."""
-        mesh = mesh if isinstance(mesh, Mesh) else self._loaded(load_mesh, mesh or scene.mesh)
-        return Cloth(mesh, self.fabric(scene.fabric if fabric is None else fabric))
+    def _meshes(self, scene: Scene, given: Mesh | str | Sequence[Mesh | str] | None) -> tuple[Mesh, ...]:
+        """The meshes of all cloth, in metres: those of a scene, or others."""
+        names = scene.meshes if given is None else (given,) if isinstance(given, Mesh | str) else tuple(given)
+        if len(meshes := tuple(name for name in names if isinstance(name, Mesh))) == len(names):
+            self._unit = "m"
+            return meshes
+        read = [n if isinstance(n, Mesh) else self._loaded(load_mesh, n, i) for i, n in enumerate(names)]
+        files = tuple((str(name), mesh) for name, mesh in zip(names, read, strict=True) if not isinstance(name, Mesh))
+        own = iter(self._metres.get(lambda: self._in_metres(files, scene.units), files, scene.units))
+        return tuple(name if isinstance(name, Mesh) else next(own) for name in names)
+
+    def _in_metres(self, files: Sequence[tuple[str, Mesh]], units: str) -> tuple[Mesh, ...]:
+        names, meshes = [name for name, _ in files], [mesh for _, mesh in files]
+        self._unit = unit_of(names, meshes, units)
+        return in_metres(names, meshes, self._unit)
+
+    def _dressed(self, scene: Scene, meshes: tuple[Mesh, ...], fabric: Fabric | str | None) -> tuple[Cloth, ...]:
+        """The cloths of a scene, or ones with another fabric where it names none for a part."""
+        of_parts = {part: self.fabric(one) for part, one in scene.fabrics.items()}
+        return self._dressing.dress(meshes, self.fabric(scene.fabric if fabric is None else fabric), of_parts)
 
     def _lights(self, scene: Scene, environment: Environment) -> Lights:
         """The lights of a scene, turned with its environment."""
@@ -141,7 +164,10 @@ class Frames:
         """The objects and the ground of a scene, the same ones as long as nothing about them changes."""
         if not scene.objects and scene.ground == "off":
             return None
-        solids = self._solids.get(lambda: load_solids(scene.objects), scene.objects, tuple(map(_stamp, scene.objects)))
+        unit = self._unit if scene.units == "auto" else scene.units
+        stamps = tuple(_stamp(split_place(name)[0]) for name in scene.objects)
+        load = lambda: load_solids(scene.objects, unit, scene.units == "auto")  # noqa: E731
+        solids = self._solids.get(load, scene.objects, stamps, unit, scene.units)
         # The ground stays where it is while the cloth moves over it.
         if not (self.follow and self._pose is not None and is_next_pose((self._pose,), (mesh,))):
             self._first_pose = mesh
@@ -159,11 +185,11 @@ class Frames:
 
     def fabric(self, name: str | Fabric) -> Fabric:
         """The fabric of a name or file; a Fabric is itself."""
-        return name if isinstance(name, Fabric) else self._loaded(load_fabric, name)
+        return name if isinstance(name, Fabric) else self._loaded(load_fabric, name, name)
 
-    def _loaded(self, load: Callable[[str], Any], name: str) -> Any:
-        """The result of `load` for a name or file; the last one of each kind is kept until its file changes."""
-        return self._files.setdefault(load, Last()).get(lambda: load(name), name, _stamp(name))
+    def _loaded(self, load: Callable[[str], Any], name: str, number: int | str = 0) -> Any:
+        """The result of `load` for a name or file; the last one of each kind and number is kept until its file changes."""
+        return self._files.setdefault((load, number), Last()).get(lambda: load(name), name, _stamp(name))
 
 
 def _stamp(name: str) -> int:
@@ -196,7 +222,7 @@ def default_camera(mesh: Mesh, scene: Scene) -> Camera:
     angle = view.fov_deg or 35.0
     far = any(mesh.origin)
     points = mesh.positions + np.array(mesh.origin) if far else mesh.positions
-    named = view_by_name(view.view, points, aspect, angle, view.ortho, scene.mesh)
+    named = view_by_name(view.view, points, aspect, angle, view.ortho, scene.meshes[0])
     if far:
         eye, target = (tuple(np.subtract(point, mesh.origin)) for point in (named.eye, named.target))
         named = replace(named, eye=eye, target=target)

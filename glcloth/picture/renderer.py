@@ -104,7 +104,7 @@ class Renderer:
         ----------
         scene : a Scene, the name of a built-in one, or a file; default: silk on the built-in cloth in the studio.
             The curtain is traced; for all else of it see `show`.
-        fabric, mesh, environment : a name, a file, or the object itself
+        fabric, mesh, environment : a name, a file, or the object itself; of meshes also several
         cloths : several picture.frame.Cloth, each a mesh and its fabric, instead of one
         objects : names and files of meshes that stand about the cloth, or Objects
         lights : Lights or SphericalGaussians in world space instead of a fit of the environment
@@ -173,7 +173,7 @@ class Renderer:
         frame = self._last
         return {
             "method": frame.scene.method,
-            "fabric": frame.fabric.name,
+            "fabric": ", ".join(dict.fromkeys(cloth.fabric.name for cloth in frame.cloths)),
             "lobes": len(frame.lights.gaussians),
             "suns": len(frame.lights.suns),
             "covered_pixels": self.covered_pixels(),

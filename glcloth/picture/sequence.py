@@ -127,8 +127,8 @@ def _frame_at(
         scene = scene.model_copy(update={"env_rotate": scene.env_rotate + turn_env * i / count})
     return renderer.prepare(
         scene,
-        fabric=frame.fabric,
-        mesh=frame.mesh if poses is None else relative_to(poses(i), frame.mesh.origin),
+        mesh=None if poses is None else relative_to(poses(i), frame.mesh.origin),
+        cloths=frame.cloths if poses is None else (),
         environment=frame.environment,
         lights=None if turn_env else frame.lights,
         camera=orbit(frame.camera, 360.0 * i / count) if turntable else frame.camera,

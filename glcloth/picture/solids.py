@@ -1,4 +1,4 @@
-"""The objects and the ground as a surface, lit as Lambertians.   [own, docs/shadows.md]"""
+"""The objects and the ground as a surface, lit as Lambertians, or with gloss where an object says so.   [own, docs/shadows.md]"""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from ..visibility.probes import subdivided
 from ..visibility.vertices import COSINE
 from .cloth import ClothSurface
 from .frame import Frame
+from .looks import Looks
 from .surface import Surface
 
 FADE = 1.5, 4.0  # of its scale: from where to where the shadow on a ground fades out that shows nothing else
@@ -47,6 +48,8 @@ class Solids(Surface):
         self._reflectance_data = TextureBuffer(ctx, 16)
         self._colors: Last[None] = Last()
         self._open_irradiance: Last[np.ndarray] = Last()
+        self._looks = Looks(ctx)
+        self._look: Last[None] = Last()
 
     def prepare(self, frame: Frame, lit_by: ClothSurface) -> None:
         """Take other objects or lights; cheap when they are the same, or differ in colour only.
@@ -62,17 +65,22 @@ class Solids(Surface):
             self._take_shape(frame.objects)
         self.objects = frame.objects
         self._colors.get(lambda: self._reflectance_data.write(self.triangle_reflectances()), frame.objects)
+        self._look.get(
+            lambda: self._looks.take(self.objects, self._shares, self._uvs, len(self.mesh.triangles)), self.objects
+        )
         self.pass_count = lit_by.pass_count if lit_by.method.lights_solids else 1
 
     def _take_shape(self, objects: Objects) -> None:
         uneven = objects.graded or (False,) * len(objects.meshes)
         fine = [mesh if cut else subdivided(mesh) for mesh, cut in zip(objects.meshes, uneven, strict=True)]
         self._shares = [len(a.triangles) // len(b.triangles) for a, b in zip(fine, objects.meshes, strict=True)]
+        self._uvs = [np.zeros((len(mesh.positions), 2)) if mesh.uv is None else mesh.uv for mesh in fine]
         self.hiding = sum(len(mesh.triangles) for mesh in fine)
         self._hiding_vertices = sum(len(mesh.positions) for mesh in fine)
         offsets = [EDGE_OFFSET * _edge_at_vertices(mesh, own) for mesh, own in zip(fine, uneven, strict=True)]
         if (ground := objects.ground) is not None:
             fine.append(ground.mesh)
+            self._uvs.append(np.zeros((len(ground.mesh.positions), 2)))
             offsets.append(np.full(len(ground.mesh.positions), GROUND_OFFSET * ground.scale))
         self.offsets = np.concatenate(offsets)
         self.original = _joined(fine)
@@ -153,12 +161,15 @@ class Solids(Surface):
             return
         method = self._lit_by.method
         defines = {**buffer.defines(), **({"CATCHER": 1} if self.catches else {})}
+        glossy = self._looks.glossy
+        path = "passes/picture/object.frag" if glossy else "passes/picture/lambert.frag"
         if method.lights_solids:
-            program, light = method.solids_program(defines), {**method.inputs(), **self._lit_by.passes[number]}
+            program, light = method.solids_program(path, defines), {**method.inputs(), **self._lit_by.passes[number]}
         else:
-            program, light = self._program_of_means(defines), self._means(view)
+            program, light = self._program_of_means(path, defines), self._means(view)
         share = {"pass_weight": weight, "pass_cover": weight / self.pass_count, **self._catcher()}
-        buffer.shade(program, light, {"reflectance_data": self._reflectance_data}, share, add=add, rows=rows)
+        look = self._looks.inputs(buffer, self.buffers) if glossy else {}
+        buffer.shade(program, light, {"reflectance_data": self._reflectance_data, **look}, share, add=add, rows=rows)
 
     @property
     def catches(self) -> bool:
@@ -190,9 +201,9 @@ class Solids(Surface):
         E = (gaussian_irradiance(gaussians.sharpness, gaussians.axis[:, 1])[:, None] * gaussians.amplitude).sum(0)
         return E + (np.maximum(suns.direction[:, 1:2], 0.0) * suns.irradiance).sum(0)
 
-    def _program_of_means(self, defines: dict[str, int]) -> Draw:
+    def _program_of_means(self, path: str, defines: dict[str, int]) -> Draw:
         virtual = {"lit.glsl": "inputs/visibility/lit_means.glsl"}
-        return programs(self.ctx).screen("passes/picture/lambert.frag", defines, virtual)
+        return programs(self.ctx).screen(path, defines, virtual)
 
     def _means(self, view: PixelView) -> dict[str, Any]:
         """Gaussians and suns, each as far as it is seen, and the bounced light."""

@@ -14,12 +14,11 @@ from typing import Any
 
 import moderngl
 import numpy as np
-from scipy.interpolate import BSpline
 
 from ..errors import InputError
-from ..geometry.mesh import Mesh, build_mesh
+from ..geometry.mesh import Mesh
 from ..geometry.mesh_files import BALL, TABLE, load_mesh
-from ..geometry.shapes import grid_triangles
+from ..geometry.spline import spline, surface_mesh
 from ..progress import track
 from .cloth import Cloth, ClothParameters, Wind
 from .solids import Box, Sphere
@@ -80,40 +79,8 @@ def drape(ctx: moderngl.Context, vertices: int = 168, samples: int = 150, second
         cloth.release()
 
 
-def surface_mesh(name: str, positions: np.ndarray, size: tuple[float, float], rows: int, columns: int) -> Mesh:
-    """Return the cubic B-spline surface over `positions` [R, C, 3] of a cloth of `size` (m), sampled rows x columns.
-
-    The border curves are kept; inside, the surface lies within half a bending height of the vertices. UVs are metres,
-    u along a row, v up the columns.
-    """
-    positions = np.asarray(positions, np.float64)
-    by_row, by_row_slope = _spline(positions.shape[0], rows)
-    by_column, by_column_slope = _spline(positions.shape[1], columns)
-
-    def sample(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-        return np.einsum("ri,cj,ijk->rck", a, b, positions, optimize=True).reshape(-1, 3)
-
-    # The same weights carry the flat cloth's coordinates, so the UVs are those of the material at each sample.
-    u = by_column @ np.linspace(0.0, size[0], positions.shape[1])
-    v = by_row @ np.linspace(size[1], 0.0, positions.shape[0])
-    uv = np.stack(np.meshgrid(u, v), axis=-1).reshape(-1, 2)
-    # v falls down the rows, hence the order of the factors.
-    N = np.cross(sample(by_row_slope, by_column), sample(by_row, by_column_slope))
-    return build_mesh(name, sample(by_row, by_column), grid_triangles(rows, columns), uv, N)
-
-
 def _unit(v: np.ndarray) -> np.ndarray:
     return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), 1e-12)
-
-
-def _spline(count: int, samples: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return [samples, count] weights of a clamped uniform cubic B-spline's value and slope, evenly over its length."""
-    knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, count - 2), [1.0] * 3])
-    basis = BSpline(knots, np.eye(count), 3)
-    # The flat cloth's own coordinate is the spline of its vertices; invert it so that samples are even in cloth.
-    fine = np.linspace(0.0, 1.0, 64 * samples)
-    t = np.interp(np.linspace(0.0, 1.0, samples), basis(fine) @ np.linspace(0.0, 1.0, count), fine)
-    return basis(t), basis.derivative()(t)
 
 
 def lying(positions: np.ndarray) -> np.ndarray:
@@ -146,7 +113,7 @@ class Swaying:
             gap=spacing,
             speed_limit=5.0,
         )
-        self._rest, self._spline = mesh, _spline(side, side)
+        self._rest, self._spline = mesh, spline(side, side)
         positions = mesh.positions.reshape(side, side, 3).astype(float)
         self.cloth = Cloth(ctx, parameters, positions, SOLIDS, lying(positions))
         # The finer cloth was pressed together; this one lets go before the wind begins.

@@ -1,4 +1,4 @@
-"""Solids that keep cloth out: planes, balls and boxes, and the GLSL that resolves a point against them."""
+"""Solids that keep cloth out: planes, balls, boxes and ellipsoids, and the GLSL that resolves a point against them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,15 @@ class Box:
     rounding: float = 0.0
 
 
-Solid = Plane | Sphere | Box
+@dataclass(frozen=True)
+class Ellipsoid:
+    """A solid ellipsoid with half axes `axes` along x, y, z; metres."""
+
+    center: tuple[float, float, float]
+    axes: tuple[float, float, float]
+
+
+Solid = Plane | Sphere | Box | Ellipsoid
 
 
 def solids_glsl(solids: Sequence[Solid]) -> str:
@@ -54,6 +62,10 @@ def solids_glsl(solids: Sequence[Solid]) -> str:
             if not solid.radius > 0:
                 raise InputError(f"sphere: radius {solid.radius} must be > 0; change it")
             calls.append(f"d_sphere(point, {_glsl(solid.center)}, {_glsl(solid.radius)})")
+        elif isinstance(solid, Ellipsoid):
+            if not min(solid.axes) > 0:
+                raise InputError(f"ellipsoid: half axes {solid.axes} must be > 0; change them")
+            calls.append(f"d_ellipsoid(point, {_glsl(solid.center)}, {_glsl(solid.axes)})")
         else:
             if not 0 <= solid.rounding <= min(solid.half_size):
                 raise InputError(

@@ -30,6 +30,13 @@ def d_box(p, center, half_size, radius):
     return np.concatenate([gradient, distance[..., None]], axis=-1)
 
 
+def d_ellipsoid(p, center, axes):
+    e = (p - center) / axes
+    n = e / axes
+    k, l = np.linalg.norm(e, axis=-1), np.linalg.norm(n, axis=-1)
+    return np.concatenate([n / l[..., None], (k * (k - 1.0) / l)[..., None]], axis=-1)
+
+
 def friction(slide, push, mu):
     length = np.linalg.norm(slide, axis=-1)
     held = length <= mu * push

@@ -159,7 +159,7 @@ class Actions:
 
     def zoom(self, factor: float) -> None:
         """Scale the eye's distance."""
-        radius = 2.0 if self.session.in_curtain else self._drawing.refiner.frames[0].mesh.radius
+        radius = 2.0 if self.session.in_curtain else self._drawing.refiner.frames[0].whole.radius
         self.look(orbit.zoom(self.camera, factor, radius))
 
     def near_picture(self, look: Look) -> tuple[moderngl.Texture | None, float]:

@@ -10,6 +10,7 @@ from ..errors import InputError
 from ..fabric import save_fabric
 from ..geometry.mesh_files import load_solid
 from ..image import check_output, write_image
+from ..place import split_place
 from ..scene import Scene, header, load_scene, save_scene
 from ..weave.others import SUFFIXES
 from ..weave.wif import load_draft, save_draft
@@ -74,7 +75,7 @@ class Files:
                 self.actions.go_to(frame_of(scene))
         elif kind == "mesh":
             session.choose_mode("cloth")
-            session.edit_scene(mesh=path)
+            session.edit_scene(mesh=path, fabrics={})
         else:
             session.edit_shown(env=path)
 
@@ -86,7 +87,7 @@ class Files:
             self.actions.note("no file dialog here (zenity or kdialog): type the path above, then press Object")
 
     def _add_object(self, path: str) -> None:
-        load_solid(path)  # a wrong one is not taken
+        load_solid(split_place(path)[0])  # a wrong one is not taken
         self.session.edit_scene(objects=(*self.session.scene.objects, path))
 
     # -- saving ------------------------------------------------------------------------------------------------------
@@ -182,8 +183,9 @@ class Files:
         if self._watcher is None:
             return
         session, shown = self.session, self.session.shown
-        names = [getattr(shown, name, None) for name in ("mesh", "env", "lights", "room")]
-        names += [*getattr(shown, "objects", ()), self.source, session.chosen]
+        names = [getattr(shown, name, None) for name in ("env", "lights", "room")]
+        names += [*shown.meshes, *shown.fabrics.values(), *(split_place(name)[0] for name in shown.objects)]
+        names += [self.source, session.chosen]
         for name in self._watcher.changed({n for n in names if isinstance(n, str) and Path(n).is_file()}):
             if name == SHADERS:
                 self.actions.reload_shaders()

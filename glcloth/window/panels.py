@@ -104,8 +104,8 @@ class Panels(Panel):
         origin = session.chosen
         if new := chooser("fabric", origin if isinstance(origin, str) else origin.name, builtin_fabrics()):
             self.attempt(actions.choose_fabric, new)
-        if new := chooser("mesh", scene.mesh, list(BUILTIN_MESHES)):
-            self.attempt(session.edit_scene, mesh=new)
+        if new := chooser("mesh", ", ".join(scene.meshes), list(BUILTIN_MESHES)):
+            self.attempt(session.edit_scene, mesh=new, fabrics={})
         if new := chooser("environment", scene.env, list(BUILT_IN_NAMES)):
             self.attempt(session.edit_scene, env=new)
         self._open_field()

@@ -66,7 +66,7 @@ class Refiner(Slices):
         return self.renderer.prepare(
             scene,
             fabric=fabric,
-            mesh=ready.mesh,
+            mesh=ready.meshes,
             environment=ready.environment,
             lights=lights,
             objects=ready.objects,
@@ -75,11 +75,11 @@ class Refiner(Slices):
     @property
     def mesh(self) -> Mesh | None:
         """The cloth of the present frames; None before the first."""
-        return self.frames[0].mesh if self.frames else None
+        return self.frames[0].whole if self.frames else None
 
     def camera(self, scene: Scene) -> Camera:
         """The camera that shows it as a scene says."""
-        return default_camera(self.frames[0].mesh, scene)
+        return default_camera(self.frames[0].whole, scene)
 
     def show(self, frames: list[Frame]) -> bool:
         """Draw these frames from now on; False where only the look differs and nothing is to be drawn."""
@@ -278,8 +278,8 @@ def _same_light(new: Frame, old: Frame) -> bool:
     same = replace(new, scene=new.scene.model_copy(update={n: getattr(old.scene, n) for n in NOT_LIGHT}))
     return (
         same.scene == old.scene
-        and same.fabric is old.fabric
-        and same.mesh is old.mesh
+        and len(same.cloths) == len(old.cloths)
+        and all(a.fabric is b.fabric and a.mesh is b.mesh for a, b in zip(same.cloths, old.cloths, strict=True))
         and same.environment is old.environment
         and same.lights is old.lights
         and same.objects is old.objects

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..fabric import Fabric
 from ..geometry.mesh import Mesh
-from ..geometry.mesh_files import load_mesh
+from ..geometry.parts import joined
 from ..geometry.props import Objects, arrange, load_solids
 from ..light.environment import Environment, load_environment, rotation_y
 from ..light.fit import FitReport, fit_report, report_on
@@ -19,6 +19,8 @@ from ..light.lights import Lights
 from ..light.lights_file import load_lights
 from ..methods.paper.precompute import shapes_of
 from ..methods.paper.tables import tables_for
+from ..picture.cloths import load_meshes
+from ..place import split_place
 from ..scene import Scene
 from ..tracing.energy import mean_albedo
 
@@ -30,7 +32,7 @@ class Ready:
     """Everything a scene needs beside itself."""
 
     fabric: Fabric
-    mesh: Mesh
+    meshes: tuple[Mesh, ...]  # in metres
     environment: Environment
     report: FitReport
     lights: Lights  # turned as the scene says
@@ -55,12 +57,17 @@ class Resources:
         Raises the error of a failed job (InputError for a bad file); asking again then begins anew.
         """
         self.doing = ""
-        mesh = self._get("mesh", (scene.mesh, _stamp(scene.mesh)), lambda: load_mesh(scene.mesh), "reading the mesh")
+        mesh_key = tuple((name, _stamp(name)) for name in scene.meshes), scene.units
+        read = self._get("mesh", mesh_key, lambda: load_meshes(scene.meshes, scene.units), "reading the mesh")
         map_key = (scene.env, _stamp(scene.env), scene.layer, scene.env_layout)
         environment = self._get("env", map_key, lambda: _environment(scene), "reading the environment")
-        stamps = tuple((name, _stamp(name)) for name in scene.objects)
-        solids = self._get("solids", stamps, lambda: load_solids(scene.objects), "reading the objects")
-        if mesh is None or environment is None or solids is None:
+        stamps = tuple((name, _stamp(split_place(name)[0])) for name in scene.objects)
+        if read is None or environment is None:
+            return None
+        meshes, unit = read
+        load = lambda: load_solids(scene.objects, unit, scene.units == "auto")  # noqa: E731
+        solids_key = stamps, unit, scene.units
+        if (solids := self._get("solids", solids_key, load, "reading the objects")) is None:
             return None
         light_key = (scene.lights, _stamp(scene.lights)) if scene.lights else (map_key, scene.lobes)
         if scene.lights:
@@ -88,12 +95,12 @@ class Resources:
         )
         objects = self._get(
             "objects",
-            (scene.mesh, _stamp(scene.mesh), stamps, scene.ground, scene.ground_color),
-            lambda: arrange(solids, scene.ground, scene.ground_color, mesh),
+            (mesh_key, solids_key, scene.ground, scene.ground_color),
+            lambda: arrange(solids, scene.ground, scene.ground_color, joined(meshes)),
             "",
             beside=False,
         )
-        return Ready(fabric, mesh, environment, report, lights, objects)
+        return Ready(fabric, meshes, environment, report, lights, objects)
 
     def ask_curtain(self, scene: Scene, fabric: Fabric) -> Environment | None:
         """The environment, which the curtain needs beside itself. None while that, or the fabric's albedo (which the

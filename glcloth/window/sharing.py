@@ -56,8 +56,9 @@ def as_command(scene: Scene, output: str = "picture.png", frame: int = 0) -> str
     data = at_frame(scene, frame).differences()
     table, camera = data.pop("curtain", None), data.pop("camera", {})
     options = {e.name: e.option for model in (Scene, View, CurtainParameters) for e in entries(model)}
-    options["frame"] = "--frame"
-    if isinstance(scene.fabric, Fabric) or not all(options[name] for name in (*data, *(table or ()))):
+    options |= {"frame": "--frame", "fabrics": options["fabric"]}
+    edited = any(isinstance(fabric, Fabric) for fabric in (scene.fabric, *scene.fabrics.values()))
+    if edited or not all(options[name] for name in (*data, *(table or ()))):
         data |= ({} if table is None else {"curtain": table}) | ({"camera": camera} if camera else {})
         return f"cat > scene.toml <<'END'\n{tomli_w.dumps(data)}END\nglcloth render scene.toml -o {output}\n"
     words = ["glcloth", "render", *(["curtain"] if table is not None else []), "-o", output]
@@ -70,8 +71,10 @@ def _words(name: str, option: str, value: Any) -> list[str]:
     """The words of a command line that give an option a value."""
     if isinstance(value, bool):
         return [option if value else f"--no-{option[2:]}"]
-    if name == "objects":
+    if name in ("objects", "mesh") and isinstance(value, list):
         return [f"{option}={path}" for path in value]
+    if name == "fabrics":
+        return [f"--fabric={part}={fabric}" for part, fabric in value.items()]
     if name == "size":
         return [option, f"{value[0]}x{value[1]}"]
     return [f"{option}={','.join(f'{v:g}' for v in value) if isinstance(value, list) else value}"]

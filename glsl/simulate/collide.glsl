@@ -30,6 +30,15 @@ vec4 d_box(vec3 p, vec3 center, vec3 half_size, float radius) {
     return vec4(side * face, depth - radius);
 }
 
+// [own] Ellipsoid with half axes `axes`: to first order the distance, |p / axes| (|p / axes| - 1) / |p / axes^2| (Quilez,
+// "3D distance functions"), exact on its surface. At its very centre the gradient is +Y.
+vec4 d_ellipsoid(vec3 p, vec3 center, vec3 axes) {
+    vec3 e = (p - center) / axes;
+    vec3 n = e / axes;
+    float k = length(e), l = length(n);
+    return l > 0.0 ? vec4(n / l, k * (k - 1.0) / l) : vec4(0.0, 1.0, 0.0, -min(axes.x, min(axes.y, axes.z)));
+}
+
 // [own] Coulomb friction on positions: `slide` is how far the point slid along the surface in this substep, `push` > 0
 // how far it was pushed out; both come from the same impulse's time step, so |friction| <= mu |normal force| reads
 // |correction| <= mu push (Mueller, Heidelberger, Hennix, Ratcliff 2007, "Position based dynamics", section 3.6, as a

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import between, choice, log_between
+from . import between, choice, directions, log_between
 
 HALF = np.pi / 2
 
@@ -22,7 +22,20 @@ def _steps(rng, count):
     return np.exp(rng.uniform(np.log(0.01), np.log(50), (count, 3)))
 
 
+def _above(rng, count, least=0.02):
+    """A normal and a viewer on its side."""
+    N, omega_o = directions(rng, count), directions(rng, count)
+    along = (N * omega_o).sum(-1, keepdims=True)
+    omega_o = omega_o + (np.maximum(np.abs(along), least) - along) * N
+    return {"N": N, "omega_o": omega_o / np.linalg.norm(omega_o, axis=-1, keepdims=True)}
+
+
+JOINT = {"f_gloss": _above, "gloss_of_gaussian": _above}
 DOMAINS = {
+    "cos_i": between(0.0, 1.0),
+    "cos_o": between(1e-3, 1.0),
+    "alpha": log_between(0.02, 1.0),
+    "xi": directions,
     "mu_1": between(-HALF, HALF, 0.0),
     "mu_2": between(-HALF, HALF, 0.0),
     "sharpness_1": log_between(1e-3, 1e4),
@@ -51,6 +64,9 @@ DOMAINS = {
     "sharpness": log_between(1e-4, 1e5),
 }
 SPECIAL = {
+    **{(name, "F_0"): _three(0.0, 1.0) for name in ("F_color", "f_gloss", "gloss_of_gaussian")},
+    ("F_color", "cos_theta"): between(-0.1, 1.0),
+    ("gloss_of_gaussian", "sharpness"): log_between(0.1, 1e3),
     ("theta_gaussians", "theta_k"): between(-HALF, HALF, 0.0),
     ("theta_gaussians", "theta_o"): between(-HALF, HALF, 0.0),
     ("node_terms", "weight"): _three(0, 1),

@@ -51,6 +51,7 @@ DOMAINS = {
     "center": vectors(0.5),
     "radius": between(0.0, 0.2),
     "half_size": _half_sizes,
+    "axes": _half_sizes,
     "slide": _far_or_near,
     "push": log_between(1e-7, 1e-2),
     "mu": between(0.0, 1.0),

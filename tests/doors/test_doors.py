@@ -416,3 +416,30 @@ def test_a_fault_of_ours_is_one_line_too(tmp_path, monkeypatch, capsys):
     assert run("render", "-o", tmp_path / "a.png", *QUICK) == 1
     err = capsys.readouterr().err
     assert err.count("\n") == 1 and "unforeseen" in err and "GLCLOTH_DEBUG" in err
+
+
+def test_a_garment_of_several_fabrics_travels_with_its_picture(tmp_path, capsys):
+    (tmp_path / "a.obj").write_text(
+        "v 0 0 0\nv 90 0 0\nv 0 90 0\nv 90 90 9\nvt 0 0\nvt 1 0\nvt 0 1\nvt 1 1\n"
+        "usemtl Shell\nf 1/1 2/2 3/3\nusemtl Lining\nf 2/2 4/4 3/3\n"
+    )
+    options = quick_but("--mesh", tmp_path / "a.obj", "--shadows", "off")
+    parts = ["--fabric", "linen", "--fabric", "Lin*=voile", "--mesh", "plane", "--object", "stand@0,-2,0,0.1"]
+    assert run("render", "-o", tmp_path / "a.exr", *options, *parts, "--json") == 0
+    out, err = capsys.readouterr()
+    assert "Cotton voile" in json.loads(out)["fabric"] and err.count("taken for cm") == 1
+    scene = read_settings(tmp_path / "a.exr")["scene"]
+    assert scene["fabrics"] == {"Lin*": "voile"} and scene["mesh"] == [str((tmp_path / "a.obj").resolve()), "plane"]
+    assert run("render", tmp_path / "a.exr", "-o", tmp_path / "b.exr") == 0
+    assert np.array_equal(read_image(tmp_path / "a.exr"), read_image(tmp_path / "b.exr"))
+    out = ["render", "-o", tmp_path / "c.exr", "--mesh", tmp_path / "a.obj"]
+    assert "did you mean Lining?" in fails(capsys, *out, "--fabric", "Linin=voile")
+    assert "PART=voile" in fails(capsys, *out, "--fabric", "linen", "--fabric", "voile")
+    assert "@x,y,z,scale,turn" in fails(capsys, *out, "--object", "stand@1,a")
+    assert not (tmp_path / "c.exr").exists()
+
+
+def test_drape_says_which_pieces_there_are(tmp_path, capsys):
+    assert "did you mean skirt?" in fails(capsys, "drape", "skrit", "-o", tmp_path / "a.ply")
+    assert ".npz" in fails(capsys, "drape", "skirt", "-o", tmp_path / "a.stl")
+    assert list(tmp_path.iterdir()) == []

@@ -145,3 +145,24 @@ def test_what_a_cloth_sees_is_looked_at_anew_when_another_moves(renderer):
     after = picture(renderer, [left[0], near], **changes)
     assert np.abs(after - before).max() > 0.01
     assert np.array_equal(after, picture(renderer, [left[1], near], **changes))
+
+
+def test_parts_of_one_mesh_wear_their_own_fabrics(renderer, meshes, tmp_path):
+    """A picture by names is the one by cloths, to the bit; parts of one fabric are one cloth, with its time and its bits."""
+    from glcloth.geometry.parts import joined
+
+    both = joined(meshes)
+    part_of = np.repeat([0, 1], [len(mesh.triangles) for mesh in meshes])
+    named = replace(both, parts=(("Bodice",), ("Trim left",)), part_of=part_of)
+    changes = {"lights": LIGHTS, "camera": CAMERA, "size": SIZE, "background": False, "shadows": "off"}
+    by_name = renderer.render(mesh=named, fabric=LINEN, fabrics={"trim*": SATIN}, **changes).copy()
+    assert renderer.facts()["fabric"].startswith(load_fabric(LINEN).name + ", ")
+    assert np.array_equal(by_name, picture(renderer, [cloth(meshes[0], LINEN), cloth(meshes[1], SATIN)]))
+    alike = renderer.render(mesh=named, fabric=LINEN, fabrics={"trim*": LINEN}, **changes).copy()
+    assert len(renderer.stage.cloths_in_frame) == 1
+    assert np.array_equal(alike, picture(renderer, [cloth(both, LINEN)]))
+    # Several meshes are one cloth, too, where they share a fabric, and framed together.
+    renderer.render(mesh=list(meshes), fabric=LINEN, size=(16, 12), shadows="off", lights=LIGHTS)
+    assert len(renderer.stage.cloths_in_frame) == 1
+    frame = renderer.prepare(mesh=list(meshes), fabrics={meshes[1].name.replace("[", "?"): SATIN}, lights=LIGHTS)
+    assert len(frame.cloths) == 2 and frame.camera.target == pytest.approx(tuple(both.center))

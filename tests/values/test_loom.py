@@ -100,7 +100,9 @@ def test_threads_that_are_cut_out_leave_holes():
     # Full width covers the cloth but for the holes, which lie where the draft says: ends along v, picks along u.
     tile = cut.tile((256, 256))
     assert np.argwhere(tile.system[32::64, 32::64] < 0).tolist() == [[1, 1], [2, 1]]
-    assert (tile.system < 0).mean() == pytest.approx((whole.tile((256, 256)).system < 0).mean() * 0.875 + 0.125, abs=0.02)
+    assert (tile.system < 0).mean() == pytest.approx(
+        (whole.tile((256, 256)).system < 0).mean() * 0.875 + 0.125, abs=0.02
+    )
     assert Loom.of(draft.drawdown).draft(draft) == draft
     with pytest.raises(InputError, match="cut"):
         Draft(draft.drawdown, cut=np.ones((4, 4), bool))

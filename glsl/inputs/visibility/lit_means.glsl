@@ -12,15 +12,28 @@ float V_number(ivec2 pixel, int n) {
     return everything ? 1.0 : texelFetch(seen, ivec3(pixel, n >> 2), 0)[n & 3];
 }
 
+#ifdef GLOSSY
+#include "inputs/picture/gloss.glsl"
+const float SUN_ALPHA = 0.02;  // a sun is no point: its image in a mirror is a disk
+#endif
+
 vec3 irradiance(ivec2 pixel, vec3 N) {
     vec3 E = vec3(0.0);
     for (int k = 0; k < gaussian_count; ++k) {
         Gaussian light = fetch_gaussian(k);
         E += light.L * (V_number(pixel, 1 + k) * gaussian_irradiance(k, dot(N, light.xi)));
+#ifdef GLOSSY
+        L_gloss += light.L * (V_number(pixel, 1 + k)
+            * gloss_of_gaussian(N, light.xi, light.sharpness, gloss.omega_o, gloss.F_0, gloss.alpha));
+#endif
     }
     for (int s = 0; s < sun_count; ++s) {
         Sun sun = fetch_sun(s);
         E += sun.E * (V_number(pixel, sun_number + s) * max(dot(N, sun.omega), 0.0));
+#ifdef GLOSSY
+        L_gloss += sun.E * (V_number(pixel, sun_number + s)
+            * f_gloss(N, sun.omega, gloss.omega_o, gloss.F_0, max(gloss.alpha, SUN_ALPHA)));
+#endif
     }
 #ifdef CATCHER
     for (int k = 0; k < gaussian_count; ++k) {
@@ -33,6 +46,10 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
     }
 #endif
     if (bounces) E += PI * texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb;
+#ifdef GLOSSY
+    // What comes from near things comes from everywhere, as far as is known.
+    if (bounces) L_gloss += texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb * F_color(gloss.F_0, dot(N, gloss.omega_o));
+#endif
 #ifdef PARTS
     if (bounces) L_bounce = PI * texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb;
 #endif

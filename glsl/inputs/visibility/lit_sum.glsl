@@ -5,6 +5,10 @@ uniform samplerBuffer direction_data;   // pairs: (omega, 1 if a ray decides), (
 uniform int first_direction;
 uniform int direction_count;
 
+#ifdef GLOSSY
+#include "inputs/picture/gloss.glsl"
+#endif
+
 vec3 irradiance(ivec2 pixel, vec3 N) {
     vec3 origin = origin_at(pixel);
     vec3 E = vec3(0.0);
@@ -14,6 +18,9 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         if (cos_theta <= 0.0) continue;
         vec3 flux = flux_along(origin, direction, texelFetch(direction_data, 2 * d + 1));
         E += cos_theta * flux;
+#ifdef GLOSSY
+        L_gloss += flux * f_gloss(N, direction.xyz, gloss.omega_o, gloss.F_0, max(gloss.alpha, MAP_ALPHA));
+#endif
 #ifdef PARTS
         if (came_back) L_bounce += cos_theta * (flux - let_on);
 #endif

@@ -11,10 +11,7 @@
 uniform float pass_weight;    // share of this sample in the pixel
 uniform float pass_cover;     // this pass's part of the pixel's coverage
 #ifdef CATCHER
-uniform int first_catching;     // from this triangle on only the shadow is shown,
-uniform vec2 catcher_middle;    // x and z,
-uniform vec2 catcher_fade;      // and from this distance on less of it, to that one
-uniform float open_luminance;   // of the irradiance where nothing hides light
+#include "inputs/picture/catcher.glsl"
 #endif
 layout(location = 0) out vec4 color;
 
@@ -26,9 +23,7 @@ void main() {
     color = vec4(L * pass_weight, pass_cover);
 #ifdef CATCHER
     if (triangle_at(pixel) >= first_catching) {
-        float shown = 1.0 - smoothstep(catcher_fade.x, catcher_fade.y, length(origin_at(pixel).xz - catcher_middle));
-        float hidden = dot(E_hidden, vec3(0.2126, 0.7152, 0.0722)) / open_luminance;
-        color = vec4(vec3(0.0), clamp(hidden, 0.0, 1.0) * shown * pass_weight);
+        color = caught(pixel, pass_weight);
 #ifdef PARTS
         bounce_color = through_color = vec4(0.0);
 #endif

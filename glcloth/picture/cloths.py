@@ -1,0 +1,73 @@
+"""The cloths of a frame: which fabric each part of the meshes wears."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from ..fabric import Fabric
+from ..geometry.mesh import Mesh, relative_to
+from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh
+from ..geometry.parts import chosen, grouped
+from ..geometry.placing import METRES, guessed_unit, placed
+from ..gpu.memo import Last
+from ..progress import warn
+
+
+@dataclass(frozen=True, eq=False)
+class Cloth:
+    """One cloth of a frame: a mesh and its fabric."""
+
+    mesh: Mesh
+    fabric: Fabric
+
+
+def unit_of(names: Sequence[str], meshes: Sequence[Mesh], units: str) -> str:
+    """The unit of the lengths in mesh files, guessed for "auto", with a warning where it is not metres."""
+    files = [mesh for name, mesh in zip(names, meshes, strict=True) if name not in BUILTIN_MESHES]
+    if units != "auto" or not files:
+        return "m" if units == "auto" else units
+    if (unit := guessed_unit(files)) != "m":
+        warn(f"{names[0]}: too large for metres, its lengths are taken for {unit}; --units m says they are not")
+    return unit
+
+
+def in_metres(names: Sequence[str], meshes: Sequence[Mesh], unit: str) -> tuple[Mesh, ...]:
+    """Meshes of files in metres; the built-in ones are."""
+    scales = [1.0 if name in BUILTIN_MESHES else METRES[unit] for name in names]
+    placed_ones = [placed(mesh, scale) for mesh, scale in zip(meshes, scales, strict=True)]
+    return tuple(relative_to(mesh, placed_ones[0].origin) for mesh in placed_ones)
+
+
+class Dressing:
+    """Gives each part of the meshes its fabric. Parts of the same fabric are one cloth; the meshes of the last time are
+    kept as long as the same parts share a fabric, whichever it is."""
+
+    def __init__(self) -> None:
+        self._grouped: Last[list[tuple[int, Mesh]]] = Last()
+
+    def dress(self, meshes: tuple[Mesh, ...], fabric: Fabric, fabrics: Mapping[str, Fabric]) -> tuple[Cloth, ...]:
+        """The cloths of meshes.
+
+        Parameters
+        ----------
+        fabric : of the parts that nothing in `fabrics` names
+        fabrics : by patterns of parts' names
+
+        Raises InputError for a pattern that fits no part.
+        """
+        wardrobe = [fabric, *fabrics.values()]
+        # Equal fabrics are one: the first of them.
+        first = [next(i for i, other in enumerate(wardrobe) if other is one or other == one) for one in wardrobe]
+        groups = tuple(tuple(first[n + 1] for n in of) for of in chosen(meshes, list(fabrics)))
+        pieces = self._grouped.get(lambda: grouped(meshes, groups), meshes, groups)
+        return tuple(Cloth(mesh, wardrobe[number]) for number, mesh in pieces)
+
+
+def load_meshes(names: Sequence[str], units: str = "auto") -> tuple[tuple[Mesh, ...], str]:
+    """Read meshes of built-in names or files; returns them in metres, and the unit of the files. Raises InputError as
+    `load_mesh`."""
+    known = {name: load_mesh(name) for name in dict.fromkeys(names)}
+    meshes = [known[name] for name in names]
+    unit = unit_of(names, meshes, units)
+    return in_metres(names, meshes, unit), unit

@@ -1,0 +1,98 @@
+"""The looks of objects that are more than matt colours: pictures, roughness and metalness of each triangle, on the GPU."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ..color import srgb_decode
+from ..geometry.materials import base_picture
+from ..geometry.props import Objects
+from ..geometry.raw import Material
+from ..gpu.buffers import TextureBuffer
+from ..gpu.gbuffer import GBuffer, MeshBuffers
+from ..gpu.pictures import even_size, picture_array, resampled
+
+MOST_TEXELS = 1 << 24  # of all pictures together, 128 MiB
+
+
+class Looks:
+    """What glsl/passes/picture/object.frag reads beside light and G-buffer."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self.glossy = False  # whether any object needs that pass
+        self._data, self._uv = TextureBuffer(ctx, 32), TextureBuffer(ctx, 16)
+        self._pictures: moderngl.TextureArray | None = None
+
+    def take(self, objects: Objects, shares: Sequence[int], uvs: Sequence[np.ndarray], triangles: int) -> None:
+        """Take other objects.
+
+        Parameters
+        ----------
+        shares : how many triangles each one of a mesh was cut into
+        uvs : of each mesh as it is drawn, [V, 2], the ground's among them
+        triangles : that are drawn, the ground's among them, which come last
+        """
+        used = {material for of_mesh in objects.materials for material in of_mesh}
+        self.glossy = any(not is_matt(material) for material in used)
+        if not self.glossy:
+            return
+        layers: dict[Material, int] = {}
+        pictures: list[np.ndarray] = []
+        for material in sorted((m for m in used if m.texture is not None), key=lambda m: m.name):
+            if (codes := base_picture(material)) is not None:
+                layers[material] = len(pictures)
+                pictures.append(srgb_decode(codes[..., :3].astype(np.float32)))
+        rows = np.zeros((triangles, 2, 4), "f4")
+        rows[:, 0, 3], rows[:, 1, 0] = -1.0, 1.0
+        first = 0
+        for number, share in enumerate(shares):
+            count = len(objects.meshes[number].triangles) * share
+            mine = rows[first : first + count]
+            mine[:, 0, :3] = np.repeat(objects.reflectances[number], share, axis=0)
+            for which, material in enumerate(objects.materials[number] if number < len(objects.materials) else ()):
+                of = np.repeat(objects.material_of[number] == which, share)
+                mine[of, 1, 0], mine[of, 1, 1] = material.roughness, material.metalness
+                if material in layers:
+                    mine[of, 0, :3], mine[of, 0, 3] = material.color, layers[material]
+            first += count
+        if objects.ground is not None:
+            rows[first:, 0, :3] = objects.ground.color
+        self._data.write(rows)
+        self._write_uv(uvs)
+        self._put(pictures)
+
+    def _write_uv(self, uvs: Sequence[np.ndarray]) -> None:
+        flat = np.concatenate(uvs)
+        self._uv.write(np.pad(flat, ((0, 0), (0, 2))).astype("f4"))
+
+    def _put(self, pictures: list[np.ndarray]) -> None:
+        """All pictures in one array, of the size of the largest as far as there is room."""
+        if self._pictures is not None:
+            self._pictures.release()
+        height, width = (max((p.shape[k] for p in pictures), default=1) for k in (0, 1))
+        size = even_size(height, width, MOST_TEXELS // max(len(pictures), 1))
+        layers = [resampled(picture[::-1], size) for picture in pictures] or [np.ones((1, 1, 3), np.float32)]
+        self._pictures = picture_array(self.ctx, np.stack(layers))
+
+    def inputs(self, buffer: GBuffer, mesh: MeshBuffers) -> dict[str, Any]:
+        """All of that."""
+        assert buffer.drawn is not None and self._pictures is not None
+        return {
+            "look_data": self._data,
+            "base_pictures": self._pictures,
+            "thread_points": mesh.vertices,
+            "thread_corners": mesh.indices,
+            "thread_uv": self._uv,
+            "viewpoint": buffer.drawn.camera.viewpoint,
+            "step_from_pixel": buffer.drawn.camera.step_from_pixel(buffer.size),
+        }
+
+
+def is_matt(material: Material) -> bool:
+    """Whether a material is one colour without gloss, as passes/picture/lambert.frag shades it."""
+    return material.texture is None and material.roughness >= 1.0 and material.metalness <= 0.0
