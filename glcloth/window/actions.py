@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container
+from dataclasses import replace
 from itertools import count
 
 import glfw
@@ -178,7 +179,8 @@ class Actions:
         back = np.subtract(camera.eye, target)
         distance = 0.02 / np.tan(np.radians(camera.fov_deg / 2)) * height / width
         eye = target + back / np.linalg.norm(back) * distance
-        self.look(Camera(tuple(eye), tuple(target), camera.up, camera.fov_deg))
+        parallel = {} if camera.ortho is None else {"ortho": 0.04 * height / width}
+        self.look(replace(camera, eye=tuple(eye), target=tuple(target), **parallel))
 
     def glass(self, x: float, y: float) -> Glass | None:
         """The square centimetre of the cloth under a place of the picture, from its top left corner."""

@@ -15,8 +15,9 @@ POLE_DEG = 1.0  # the eye stays this far from straight above and below, where "u
 
 
 def view_of(camera: Camera) -> View:
-    """The camera as a scene keeps it."""
-    return View.of(camera)
+    """The camera as a scene keeps it. What rounding leaves of 0 is 0: scenes take no such small lengths."""
+    eye, target = (tuple(0.0 if abs(x) < 1e-12 else x for x in place) for place in (camera.eye, camera.target))
+    return View.of(replace(camera, eye=eye, target=target))
 
 
 def orbit(camera: Camera, right_deg: float, up_deg: float) -> Camera:

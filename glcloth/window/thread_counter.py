@@ -36,6 +36,11 @@ class Glass(NamedTuple):
 
 def pixel_of(camera: Camera, size: tuple[int, int], point: np.ndarray) -> tuple[float, float] | None:
     """Where a point of the world is in a picture, (x, y) counted from its top left corner; None behind the eye."""
+    if camera.ortho is not None:
+        begin = camera.origin_from_pixel(size)
+        along = camera.ray_from_pixel(size) @ (0.0, 0.0, 1.0)
+        x, y, _ = np.linalg.solve(np.column_stack([begin[:, 0], begin[:, 1], along]), np.subtract(point, begin[:, 2]))
+        return float(x), size[1] - float(y)
     ray = np.linalg.solve(camera.ray_from_pixel(size), np.subtract(point, camera.eye))
     return None if ray[2] <= 1e-9 else (float(ray[0] / ray[2]), size[1] - float(ray[1] / ray[2]))
 
@@ -48,8 +53,11 @@ def glass_at(mesh: Mesh, camera: Camera, size: tuple[int, int], x: float, y: flo
     if mesh.uv is None:
         return None
     ray = camera.ray_from_pixel(size) @ (x, size[1] - y, 1.0)
+    eye = np.asarray(camera.eye, float)
+    if camera.ortho is not None:
+        eye = camera.origin_from_pixel(size) @ (x, size[1] - y, 1.0)
     p = np.asarray(mesh.positions, float)[mesh.triangles]
-    e_1, e_2, s = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0], np.asarray(camera.eye) - p[:, 0]
+    e_1, e_2, s = p[:, 1] - p[:, 0], p[:, 2] - p[:, 0], eye - p[:, 0]
     h = np.cross(ray, e_2)
     det = (e_1 * h).sum(-1)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -64,4 +72,4 @@ def glass_at(mesh: Mesh, camera: Camera, size: tuple[int, int], x: float, y: flo
     if abs(np.linalg.det(edges)) < 1e-18:
         return None
     warp, weft = np.linalg.solve(edges, np.stack([e_1[nearest], e_2[nearest]]))
-    return Glass(np.asarray(camera.eye) + t[nearest] * ray, warp, weft)
+    return Glass(eye + t[nearest] * ray, warp, weft)

@@ -21,6 +21,7 @@ from glcloth.weave.named import WEAVES, named_draft
 from glcloth.weave.plain import draft_of, plain_draft
 from glcloth.weave.wif import load_draft, save_draft
 from glcloth.window.draft_grid import Cell, Grid, between, is_set, marked
+from glcloth.window.orbit import view_of
 from glcloth.window.thread_counter import glass_at, pixel_of
 
 
@@ -86,6 +87,12 @@ def test_the_thread_counter_is_a_centimetre_of_the_cloth():
     a, b = glass.lines()[0]
     assert np.linalg.norm(b - a) == pytest.approx(0.01) and len(glass.lines()) == 4 + 18
     assert glass_at(mesh, camera, size, 200.0, 90.0, 2.0).warp @ glass.warp == pytest.approx(0.5)
+    parallel = Camera((0.1, 0.02, 0.3), (0.0, 0.0, 0.0), ortho=0.2)
+    flat = glass_at(mesh, parallel, size, 200.0, 90.0, 1.0)
+    assert (
+        pixel_of(parallel, size, flat.middle) == pytest.approx((200.0, 90.0), abs=1e-3) and abs(flat.middle[2]) < 1e-9
+    )
+    assert view_of(Camera((0.0, 1e-17, 0.3), (5e-17, 0.0, 0.0))).target == (0.0, 0.0, 0.0)
     far = Camera((0.0, 0.0, 5.0), (3.0, 0.0, 0.0), fov_deg=20.0)
     assert glass_at(mesh, far, size, 160.0, 120.0, 1.0) is None
 
