@@ -58,7 +58,7 @@ def render(renderer, mesh, slant, lights, fabric="sheer_voile", environment=WHIT
 
 
 @pytest.mark.parametrize("slant", [0, 50])
-@pytest.mark.parametrize("layers", [1, 2, 4])
+@pytest.mark.parametrize("layers", [1, 4])
 def test_layers_before_a_white_background(renderer, layers, slant):
     """Each lets T_s of what is behind it through; without light of their own the rest is black."""
     t = load_fabric("sheer_voile").transmission
@@ -127,7 +127,7 @@ def test_a_sun_through_cloth_lights_the_ground(renderer):
 
 def folds():
     """A curtain's folds, lit and seen from both sides."""
-    positions, triangles, uv, _ = shapes.plane(1.0, 24)
+    positions, triangles, uv, _ = shapes.plane(1.0, 16)
     x, y = positions[:, 0], positions[:, 1]
     positions[:, 2] = 0.08 * np.sin(14 * x + 0.6 * y) * (1.2 - y) + 0.05 * np.sin(5 * y)
     return build_mesh("folds", positions, triangles, uv)
@@ -140,7 +140,7 @@ def test_direct_is_the_reference(renderer, bounce):
         SphericalGaussians([[0.1, 0.9, -0.4], [0.5, 0.3, -0.8]], [1.5, 8.0], [[0.5, 0.55, 0.6], [1.2, 1.0, 0.8]]),
         Suns([[-0.3, 0.5, -0.8]], [[1.5, 1.4, 1.2]]),
     )
-    scene = dict(mesh=folds(), lights=lights, fabric="sheer_voile", size=(32, 24), bounce=bounce, environment=WHITE)
+    scene = dict(mesh=folds(), lights=lights, fabric="sheer_voile", size=(24, 18), bounce=bounce, environment=WHITE)
     direct, reference = (renderer.render(method=method, cube=8, **scene) for method in ("direct", "reference"))
     covered = renderer.gbuffer.covered()
     Y = reference[covered].mean(-1)
