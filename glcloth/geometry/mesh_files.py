@@ -118,7 +118,8 @@ def read_mesh(path: Path, colored: bool = False) -> RawMesh:
 
 
 def reflectances(raw: RawMesh, where: str) -> np.ndarray:
-    """The diffuse reflectance [T, 3] float32, linear, of triangles: their materials' colours, pictures coarsely, or by their mean."""
+    """The diffuse reflectance [T, 3] float32, linear, of triangles: their materials' colours, pictures coarsely or by
+    their mean."""
     rows = np.full((len(raw.triangles), 3), GREY if raw.colors is None else 1.0)
     if raw.materials and raw.material_of is not None:
         rows = np.zeros((len(raw.triangles), 3))

@@ -9,7 +9,7 @@ from glcloth.errors import InputError
 from glcloth.geometry.mesh import Mesh, build_mesh
 from glcloth.geometry.mesh_files import load_mesh, load_solid, read_mesh, save_mesh
 from glcloth.geometry.polygons import triangulate
-from glcloth.geometry.props import arrange
+from glcloth.geometry.props import arrange, load_solids
 from glcloth.light.environment import Environment
 
 RNG = np.random.default_rng(12)
@@ -106,8 +106,8 @@ def test_far_meshes_keep_their_shape(tmp_path, offset, capsys):
     assert np.allclose(np.array(mesh.origin), offset, atol=1e-9)
     assert "far.obj: lies far from the origin" in capsys.readouterr().err
     # What stands in the same space stays beside it; what stands at the origin is far.
-    near = load_solid(written(tmp_path, "object.obj", text))
-    objects = arrange([near, load_solid("sphere")], float(offset[1]) - 1, (0.3,) * 3, mesh)
+    solids = load_solids([str(written(tmp_path, "object.obj", text)), "sphere"])
+    objects = arrange(solids, float(offset[1]) - 1, (0.3,) * 3, mesh)
     assert np.allclose(objects.meshes[0].bounds, mesh.bounds, atol=1e-4)
     assert np.allclose(objects.meshes[1].center, -np.array(offset), rtol=1e-6)
     assert objects.ground.height == pytest.approx(-1)
