@@ -60,13 +60,16 @@ class WeaveMaps:
         for t, (tangent, rel) in enumerate(zip(fabric.tangents, maps.rel, strict=True)):
             layers[0, t // lanes, t % lanes] = rel
             layers[1, t // lanes, t % lanes] = rel * side[tangent.yarn]
-        layers = layers.reshape(-1, *layers.shape[2:])
+        holes = np.zeros((1, 4, *maps.hole.shape), np.float32)
+        holes[0, 0] = maps.hole
+        layers = np.concatenate([layers.reshape(-1, *layers.shape[2:]), holes])
         colored = fabric.weave.color_map(maps)
         colors, size = (np.zeros((2, 1, 1, 4)), (1.0, 1.0)) if colored is None else colored
         self._textures = [self._array(layers), self._array(np.moveaxis(colors, -1, 1))]
         loose, twist = fabric.weave.irregularity, np.radians(fabric.weave.twist_deg)
         return {
             "weave_map": self._textures[0],
+            "hole_mean": float(maps.hole.mean()),
             "color_map": self._textures[1],
             "colored": colored is not None,
             "weave_repeats": (1.0 / maps.size[0], 1.0 / maps.size[1]),

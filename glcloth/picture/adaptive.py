@@ -88,7 +88,7 @@ class AdaptiveRate:
             yield from pace.pause(self.ctx)
         if shown is not None:
             yield from self._near_terms(buffer, shown, inputs, pace)
-        limits = {"tolerance": self.tolerance, "bend_limit": BEND * narrowest_lobe, "coarse": self._color}
+        limits: dict[str, Any] = {"tolerance": self.tolerance, "bend_limit": BEND * narrowest_lobe, "coarse": self._color}
         fill = programs(self.ctx).screen("passes/picture/adaptive_fill.frag")
         self._list.write(EMPTY)
         target = buffer.target if shown is None else shown.far
@@ -178,10 +178,11 @@ class AdaptiveRate:
             return
         # moderngl binds the last framebuffer back after making a new one; it must not be one of those deleted here.
         self.ctx.detect_framebuffer(0).use()
-        terms = [] if self._terms is None else [self._terms]
-        for thing in (self._coarse, self._color, self._depth, *terms):
+        if self._terms is not None:
+            self._terms.release()
+            self._terms = None
+        for thing in (self._coarse, self._color, self._depth):
             thing.release()
-        self._terms = None
         self._size = None
 
 

@@ -29,6 +29,8 @@ from .pace import Pace
 from .surface import Surface
 from .threads import Threads
 
+WOVEN_HOLES = {"inputs/picture/straight.glsl": "inputs/picture/straight_woven.glsl"}
+
 
 class ClothSurface(Surface):
     """Cloth number n of a frame; it keeps its methods, its fabric's records and what its vertices see."""
@@ -146,8 +148,16 @@ class ClothSurface(Surface):
         woven = self.threads.inputs(self.method, buffer)
         buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=near)
 
-    def straight_inputs(self) -> dict[str, Any]:
-        return {} if self.transmission is None else self.transmission.model_dump()
+    def straight_program(self, buffer: GBuffer) -> Draw:
+        if not self.threads.shown:
+            return super().straight_program(buffer)
+        return programs(self.ctx).screen("passes/picture/left.frag", self.threads.defines(self.method), WOVEN_HOLES)
+
+    def straight_inputs(self, buffer: GBuffer) -> dict[str, Any]:
+        if self.transmission is None:
+            return {}
+        threads = self.threads.inputs(self.method, buffer) if self.threads.shown else {}
+        return {**self.transmission.model_dump(), **threads}
 
     def _shade_through(
         self, buffer: GBuffer, view: PixelView, number: int, weight: float, rows: tuple[int, int] | None
@@ -157,16 +167,17 @@ class ClothSurface(Surface):
         if not sums and number:
             return
         virtual = {"behind.glsl": self.method.behind, **self.method.behind_includes()}
-        program = programs(self.ctx).screen(
-            "passes/picture/through.frag", {**(self.method.defines() if sums else {}), **buffer.defines()}, virtual
-        )
+        defines = {**(self.method.defines() if sums else {}), **buffer.defines()}
+        if self.threads.shown:
+            virtual, defines = {**virtual, **WOVEN_HOLES}, {**self.threads.defines(self.method), **defines}
+        program = programs(self.ctx).screen("passes/picture/through.frag", defines, virtual)
         if sums:
             light = {**self.method.inputs(), **view.drawn_inputs(), **self.passes[number]}
         else:
             view.resolve_behind()
             table = irradiance_table(self.ctx, self._lights)
             light = {**self.scene_buffers.inputs(), **table, **view.behind_inputs(self.scene_buffers)}
-        buffer.shade(program, self.straight_inputs(), light, {"pass_weight": weight}, add=True, rows=rows)
+        buffer.shade(program, self.straight_inputs(buffer), light, {"pass_weight": weight}, add=True, rows=rows)
 
     def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:
         if self.adaptive_rate is None:

@@ -13,6 +13,7 @@ from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
+from ..gpu.programs import Draw, programs
 from ..visibility.hit_vertices import HitSurface
 from ..visibility.pixels import PixelView, PixelVisibility
 from .frame import Frame
@@ -101,7 +102,11 @@ class Surface(ABC):
             for _ in view.edges(pace.slice):
                 yield from pace.pause(self.ctx)
 
-    def straight_inputs(self) -> dict[str, Any]:
+    def straight_program(self, buffer: GBuffer) -> Draw:
+        """Where it is `sheer`: the program that says how much of the light behind it is left."""
+        return programs(self.ctx).screen("passes/picture/left.frag")
+
+    def straight_inputs(self, buffer: GBuffer) -> dict[str, Any]:
         """Where it is `sheer`: what inputs/picture/straight.glsl reads."""
         raise NotImplementedError
 

@@ -156,17 +156,16 @@ class Target:
 
     def attenuate(self, surfaces: Sequence[Surface]) -> None:
         """Find how much of the light of each layer is left."""
-        program = programs(self.ctx).screen("passes/picture/left.frag") if self._layers else None
         for number, layer in enumerate(self._layers):
             layer.left_target.use()
             layer.left_target.clear(0.0, 0.0, 0.0, 0.0)
             for surface in self._in_layer(surfaces, number):
-                if program is None or not surface.sheer:
+                if not surface.sheer:
                     continue
                 buffer = self.part(surface, number).buffer
                 before = {"left": self._layers[number - 1].left} if number else {}
-                values = {**surface.straight_inputs(), **before, "first": number == 0}
-                draw_screen(program, layer.left_target, buffer.inputs(), values, blend="add")
+                values = {**surface.straight_inputs(buffer), **before, "first": number == 0}
+                draw_screen(surface.straight_program(buffer), layer.left_target, buffer.inputs(), values, blend="add")
 
     def composite(self, beyond_weight: float, environment: dict[str, Any] | None, catches: bool) -> None:
         """Add the layers to the picture as far as their light is left; and where nothing is left to be seen behind

@@ -15,6 +15,13 @@ def T_open(omega, rho):
     return np.maximum(0, 1 - q / cos_a) * np.maximum(0, 1 - q / cos_b)
 
 
+def open_at(open, hole, mean):
+    """The share of light that meets no yarn where `hole` of a place is a hole; its mean over the cloth is `open`.   [own]"""
+    open, hole, mean = (np.asarray(x, float) for x in (open, hole, mean))
+    more = 1 - (1 - open) * (1 - hole) / np.maximum(1 - mean, 1e-6)
+    return np.where(open <= mean, open * hole / np.maximum(mean, 1e-6), more)
+
+
 def covered(omega_i, omega_o, rho):
     """The share of the yarns' term: the smaller of 1 - T_open of the two directions.   [own]"""
     return np.minimum(1 - T_open(omega_i, rho), 1 - T_open(omega_o, rho))
@@ -42,6 +49,13 @@ def f_through(omega_i, omega_o, k_t, rho, roughness, eta_1, eta_2, diffuse, roug
 def T_sheet(omega, k_a, k, tau, rho):
     """The part of a ray that goes on straight, [..., 3].   [Mat 1]"""
     open_ = T_open(omega, rho)
+    through = (np.asarray(k) * (1 - open_))[..., None] * absorption(omega, omega, tau)
+    return (np.asarray(k_a) * open_)[..., None] + through
+
+
+def T_sheet_at(omega, k_a, k, tau, rho, hole, mean):
+    """The same at a place of which `hole` is a hole, [..., 3].   [own]"""
+    open_ = open_at(T_open(omega, rho), hole, mean)
     through = (np.asarray(k) * (1 - open_))[..., None] * absorption(omega, omega, tau)
     return (np.asarray(k_a) * open_)[..., None] + through
 

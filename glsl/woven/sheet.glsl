@@ -14,6 +14,12 @@ float T_open(vec3 omega, float rho) {
     return open.x * open.y / max(omega.z * omega.z, 1e-12);
 }
 
+// [own]  The share of light that meets no yarn where `hole` of the place is a hole, `mean` of the whole cloth is, and `open` of
+// all light meets none. It is between 0 and 1 and straight in `hole`, so its mean over the cloth is `open`.
+float open_at(float open, float hole, float mean) {
+    return open <= mean ? open * hole / max(mean, 1e-6) : 1.0 - (1.0 - open) * (1.0 - hole) / max(1.0 - mean, 1e-6);
+}
+
 // [own]  The share of the yarns' term: symmetric in the two directions, and with the holes it never exceeds 1 for either.
 float covered(vec3 omega_i, vec3 omega_o, float rho) {
     return 1.0 - max(T_open(omega_i, rho), T_open(omega_o, rho));
@@ -46,6 +52,12 @@ float f_through(vec3 omega_i, vec3 omega_o, float k_t, float rho, float roughnes
 // for a ray to the lamp k = k_t / 2, the half that does not refract.
 vec3 T_sheet(vec3 omega, float k_a, float k, vec3 tau, float rho) {
     float open = T_open(omega, rho);
+    return k_a * open + (1.0 - open) * k * absorption(omega, omega, tau);
+}
+
+// [own]  The same at a place of which `hole` is a hole; `mean`: of the whole cloth.
+vec3 T_sheet_at(vec3 omega, float k_a, float k, vec3 tau, float rho, float hole, float mean) {
+    float open = open_at(T_open(omega, rho), hole, mean);
     return k_a * open + (1.0 - open) * k * absorption(omega, omega, tau);
 }
 

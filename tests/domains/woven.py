@@ -40,6 +40,8 @@ DOMAINS = {
     "h": above_horizon,
     "cos_lh": between(0.0, 1.0),
     "open": between(0.0, 1.0),
+    "hole": between(0.0, 1.0),
+    "mean": between(0.05, 0.95),
     "x": between(0.0, 10.0),
     "R": between(0.0, 1.0),
     "T": lambda rng, count: rng.uniform(0, 1, (count, 3)),
@@ -56,7 +58,7 @@ SPECIAL = {
     },
     **{
         (name, "omega"): off_horizon(directions)
-        for name in ("T_open", "T_sheet", "T_straight", "T_lambert", "R_sheet", "G_1_smith")
+        for name in ("T_open", "T_sheet", "T_sheet_at", "T_straight", "T_lambert", "R_sheet", "G_1_smith")
     },
     **{(name, o): off_horizon(directions) for name in ("covered", "absorption") for o in ("omega_i", "omega_o")},
 }
@@ -70,6 +72,7 @@ TOLERANCE = {
     "T_open": (3e-5, 1e-5),
     "covered": (3e-5, 1e-5),
     "T_sheet": (3e-5, 1e-5),
+    "T_sheet_at": (6e-4, 6e-4),
     "T_straight": (3e-5, 1e-5),
     # Where nearly all is open 1 - holes is a difference of near numbers.
     "T_lambert": (3e-5, 1e-5),

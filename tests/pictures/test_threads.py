@@ -124,6 +124,16 @@ def test_adaptive_rate_where_only_some_pixels_show_threads(renderer):
     assert np.array_equal(fast[..., 3], without[..., 3])
 
 
+def test_holes_show_what_is_behind(renderer):
+    """What is left of the light from behind is 1 - alpha: all of it in holes, and in the mean that of the far cloth."""
+    fabric = even("lace")
+    look = {**LOOK, "mesh": patch(fabric, 0.05), "camera": camera(10, 60, 0.05), "size": (240, 240)}
+    near, far = (renderer.render(fabric=f, **look) for f in (fabric, fabric.changed(weave=None)))
+    np.testing.assert_allclose(near.mean((0, 1)), far.mean((0, 1)), rtol=5e-3)
+    near, far = (picture[90:150, 90:150, 3] for picture in (near, far))
+    assert 0.1 < (near < 0.05).mean() < 0.5 and far.min() > 0.2
+
+
 def test_paper_says_that_it_shows_the_far_cloth(renderer, monkeypatch):
     said = []
     monkeypatch.setattr(threads, "warn", said.append)

@@ -9,7 +9,8 @@
 
 // A uniform: compilers unroll a loop whose limit they can tell, and a software rasteriser then runs all its rounds.
 uniform float most_taps;
-uniform sampler2DArray weave_map;    // GROUPS layers of rel, then of turn
+uniform sampler2DArray weave_map;    // GROUPS layers of rel, then of turn; then one whose first value is 1 in holes
+uniform float hole_mean;             // the mean of that
 uniform sampler2DArray color_map;    // of warp and of weft: colour times share, share
 uniform bool colored;                // whether threads have colours of their own
 uniform vec2 weave_repeats, color_repeats;  // 1/m, along u and v
@@ -69,6 +70,26 @@ PixelUv wandered(PixelUv at) {
     return PixelUv(q / yarns, at.x, at.y);
 }
 
+// How much of a pixel that covers so much of the cloth shows threads. What a picture's pixels are too coarse to draw would
+// only make patterns of its own.
+float threads_seen(PixelUv at) {
+    return clamp(2.5 - 2.5 * min(length(at.x), length(at.y)) / far_footprint, 0.0, 1.0);
+}
+
+// The share of a pixel that is a hole between threads; its mean is `hole_mean`.
+float hole_share(ivec2 pixel) {
+    PixelUv at = wandered(pixel_uv(pixel));
+    vec2 x = at.x * weave_repeats, y = at.y * weave_repeats, size = vec2(textureSize(weave_map, 0).xy);
+    vec2 taps = taps_and_level(x * size, y * size, most_taps);
+    vec2 way = dot(x * size, x * size) > dot(y * size, y * size) ? x : y;
+    float tap = 0.0, hole = 0.0;
+    do {
+        vec2 place = at.uv * weave_repeats + way * ((tap + 0.5) / taps.x - 0.5);
+        hole += textureLod(weave_map, vec3(place, float(2 * GROUPS)), taps.y).r;
+    } while (++tap < taps.x);
+    return mix(hole_mean, hole / taps.x, threads_seen(at));
+}
+
 void fetch_weave(ivec2 pixel) {
     PixelUv at = wandered(pixel_uv(pixel));
     vec2 x = at.x * weave_repeats, y = at.y * weave_repeats, size = vec2(textureSize(weave_map, 0).xy);
@@ -84,8 +105,7 @@ void fetch_weave(ivec2 pixel) {
         vec2 place = at.uv * weave_repeats + way * ((tap + 0.5) * share - 0.5);
         EACH_GROUP(ADD_REL)
     } while (++tap < taps.x);
-    // What a picture's pixels are too coarse to draw would only make patterns of its own.
-    float seen = clamp(2.5 - 2.5 * min(length(at.x), length(at.y)) / far_footprint, 0.0, 1.0);
+    float seen = threads_seen(at);
     EACH_GROUP(MEAN_REL)
     strands = mix(vec4(1.0), strands, seen);
     fetch_colors(at);
