@@ -30,7 +30,7 @@ LIMITS = ("GL_MAX_TEXTURE_SIZE", "GL_MAX_3D_TEXTURE_SIZE", "GL_MAX_COMPUTE_WORK_
 PACKAGES = ("moderngl", "PyOpenGL", "numpy", "scipy", "OpenEXR", "OpenImageIO", "pillow", "cyclopts")
 
 
-def machine(device: int | None = None) -> dict:
+def machine(device: int | str | None = None) -> dict:
     """Versions, GL renderer and limits, devices, cache folder and its size. Raises NoOpenGLError."""
     devices = [f"{d.index}: {d.renderer}, OpenGL {d.version}" for d in list_devices()]
     ctx = create_context(device)
@@ -52,7 +52,7 @@ def machine(device: int | None = None) -> dict:
     return facts
 
 
-def cloth(scene: Scene, methods: list[str], frames: int, device: int | None = None) -> dict:
+def cloth(scene: Scene, methods: list[str], frames: int, device: int | str | None = None) -> dict:
     """Median frame times of methods on one scene, with ratios; `direct` at each quality and adaptive; `direct` and
     `paper` also with shadows (their rest on the cloth is traced before, and told apart).
 

@@ -17,7 +17,7 @@ from ..errors import DriverError, InputError, NoOpenGLError, ShaderError
 from ..progress import hear_ctrl_c, say, was_stopped
 from .export import export
 from .light import env, tables
-from .measure import bench, diff, info
+from .measure import bench, check, diff, info
 from .render import render, view
 from .samples import samples
 from .sequence import animate, drape
@@ -31,7 +31,7 @@ GLCLOTH_CACHE names the folder for fits and tables made on this machine (`glclot
 """
 app = App(name="glcloth", help=ABOUT, version=__version__, help_format="plaintext", suppress_keyboard_interrupt=False)
 
-for _command in (render, animate, sweep, view, tables, env, weave, fabrics, export, samples, drape, diff, info, bench):
+for _command in (render, animate, sweep, view, tables, env, weave, fabrics, export, samples, drape, diff, info, check, bench):
     app.command(_command)
 
 

@@ -10,7 +10,9 @@ from cyclopts import Parameter
 from ..progress import say
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object on stdout.")]
-Device = Annotated[int | None, Parameter(help="EGL device; `glcloth info` lists them.")]
+Device = Annotated[
+    str | None, Parameter(help="Number of an EGL device or a part of its name, such as llvmpipe; `glcloth info` lists them.")
+]
 
 
 def output_option(text: str) -> Parameter:

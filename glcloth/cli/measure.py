@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import App, Parameter
 
-from ..errors import InputError
+from ..errors import InputError, NoOpenGLError
 from ..progress import show
 from .common import Device, Json, output_option, tell
 from .options import SceneOptions, scene_of
@@ -67,6 +67,41 @@ def info(*, device: Device = None, json: Json = False) -> None:
         elif isinstance(value, list):
             value = "; ".join(str(v) for v in value)
         show([f"{key:12} {value}"])
+
+
+def check(*, device: Device = None, json: Json = False) -> None:
+    """Render ten small pictures and compare them with kept values: can this driver be trusted? Exit 0 yes, 3 no."""
+    import time
+
+    from ..bench.check import check as judged
+    from ..picture.renderer import Renderer
+
+    begin = time.perf_counter()
+    with Renderer(device) as renderer:
+        driver = {name: renderer.ctx.info[f"GL_{name.upper()}"] for name in ("renderer", "version")}
+        verdicts = judged(renderer)
+    faults = [f"{name}: {verdict.fault}" for name, verdict in verdicts.items() if verdict.fault]
+    worst = max(verdicts, key=lambda name: verdicts[name].mean)
+    result = {
+        "trusted": not faults,
+        "gl_renderer": driver["renderer"],
+        "gl_version": driver["version"],
+        "pictures": {
+            name: {"mean_percent": round(100 * v.mean, 4), "cell_percent": round(100 * v.cell, 4), "fault": v.fault}
+            for name, v in verdicts.items()
+        },
+        "seconds": round(time.perf_counter() - begin, 2),
+    }
+    line = f"{driver['renderer']}, OpenGL {driver['version']}"
+    if json:
+        tell(True, result)
+    elif not faults:
+        show([f"{line}: can be trusted; {len(verdicts)} pictures, means at most {100 * verdicts[worst].mean:.3f} % off"])
+    if faults:
+        raise NoOpenGLError(
+            f"{line}: not to be trusted, {len(faults)} of {len(verdicts)} pictures fail: {'; '.join(faults)}; "
+            "renew the driver, or choose another --device"
+        )
 
 
 bench = App(name="bench", help="Measure on the built-in scenes.", help_format="plaintext")

@@ -41,7 +41,7 @@ class Film:
     wind: float | None = None
     turntable: bool | None = None
     turn_env: float = 0.0
-    device: int | None = None
+    device: int | str | None = None
     since: int = 0
 
     @functools.cached_property

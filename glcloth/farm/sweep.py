@@ -45,7 +45,7 @@ class Sweep:
     names: tuple[str, ...]
     values: tuple[tuple[Any, ...], ...]
     suffix: str = ".png"
-    device: int | None = None
+    device: int | str | None = None
 
     @functools.cached_property
     def rows(self) -> list[tuple[Any, ...]]:

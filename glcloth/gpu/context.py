@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import threading
 import weakref
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ OpenGL.ERROR_CHECKING = False
 OpenGL.ERROR_LOGGING = False
 OpenGL.CONTEXT_CHECKING = False
 
+MOST_DEVICES = 16  # that are looked for
 REQUIRED = 430  # compute shaders and storage buffers: GLSL 4.30
 
 
@@ -68,30 +70,27 @@ def _free(context: Any, process: int) -> None:
         context.release()
 
 
-def create_context(device: int | None = None) -> moderngl.Context:
+def create_context(device: int | str | None = None) -> moderngl.Context:
     """Return a headless OpenGL >= 4.3 context.
 
     Parameters
     ----------
-    device : EGL device index (`glcloth info` lists them); None takes the first that works, the software one last
+    device : number of an EGL device, or a part of its renderer's name, in any case (`glcloth info` lists them); the first
+        of several such; None takes the first that works, the software one last
 
-    Raises InputError for a device index that does not exist, NoOpenGLError when nothing works: what was tried and
-    what to install.
+    Raises InputError for a device that does not exist, NoOpenGLError when nothing works: what was tried and what to
+    install.
     """
     check_process()
     tried: list[str] = []
     if device is not None:
-        if device < 0:
-            raise InputError(f"--device {device}: expected 0 or more; `glcloth info` lists the devices")
-        ctx = _try(device, tried)
+        index = _index(device)
+        ctx = None if index is None else _try(index, tried)
         if ctx is None:
-            known = [d.index for d in list_devices()]
-            if known:
-                raise InputError(f"--device {device}: {tried[-1]}; devices that work here: {known}")
-            raise _failure(tried)
+            raise _no_such_device(device, tried)
         return ctx
     best = None
-    for index in range(8):
+    for index in range(MOST_DEVICES):
         ctx = _try(index, tried)
         if ctx is None:
             if tried and "no such device" in tried[-1]:
@@ -135,12 +134,29 @@ def check_errors(ctx: moderngl.Context, what: str) -> None:
 def list_devices() -> list[Device]:
     """Return the EGL devices on which an OpenGL 4.3 context can be made."""
     found = []
-    for index in range(8):
+    for index in range(MOST_DEVICES):
         ctx = _try(index, [])
         if ctx is not None:
             found.append(Device(index, ctx.info["GL_RENDERER"], ctx.info["GL_VERSION"]))
             ctx.release()
     return found
+
+
+def _index(device: int | str) -> int | None:
+    """The number of a device that is named by it or by a part of its renderer's name; None where there is none."""
+    text = str(device).strip().lower()
+    if re.fullmatch(r"-?\d+", text):
+        return int(text) if 0 <= int(text) < MOST_DEVICES else None
+    found = [known.index for known in list_devices() if text and text in known.renderer.lower()]
+    return found[0] if found else None
+
+
+def _no_such_device(device: int | str, tried: list[str]) -> Exception:
+    """The error that lists the devices there are."""
+    if known := list_devices():
+        listed = ", ".join(f"{d.index} {d.renderer}" for d in known)
+        return InputError(f"--device {device}: no such device; give the number or a part of the name of one: {listed}")
+    return _failure(tried or [f"--device {device}: none works"])
 
 
 def is_software(ctx: moderngl.Context) -> bool:

@@ -40,13 +40,13 @@ class Renderer:
 
     Parameters
     ----------
-    device : EGL device index (`glcloth info` lists them); None takes the best
+    device : number of an EGL device or a part of its name (`glcloth info` lists them); None takes the best
     ctx : an existing moderngl context (OpenGL >= 4.3), current; it is then not released here
 
     Raises NoOpenGLError when no context can be made.
     """
 
-    def __init__(self, device: int | None = None, ctx: moderngl.Context | None = None):
+    def __init__(self, device: int | str | None = None, ctx: moderngl.Context | None = None):
         self._owns_context = ctx is None
         self._owner = Owner("Renderer")
         self.ctx = create_context(device) if ctx is None else ctx

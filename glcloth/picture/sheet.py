@@ -25,7 +25,7 @@ BRIGHTEST = 0.4  # mean luminance of a near picture
 ROOM = 60  # letters of a line of text
 
 
-def fabric_sheet(path: str | Path, fabrics: Sequence[str], device: int | None = None) -> None:
+def fabric_sheet(path: str | Path, fabrics: Sequence[str], device: int | str | None = None) -> None:
     """Render `fabrics` and write them in rows of four: draped, and two centimetres of each with its threads.
 
     Near pictures are darkened where they would be overexposed: a satin may mirror the lamp.
