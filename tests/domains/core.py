@@ -55,9 +55,11 @@ SPECIAL = {
     ("uv_from_direction", "omega"): directions,
     ("to_disk", "omega"): above_horizon,
     ("from_disk", "p"): lambda rng, count: rng.uniform(-1.2, 1.2, (count, 2)),
+    ("erf_inverse", "y"): between(-0.9999, 0.9999, 0.0, -0.5, 0.99),
     ("erf", "x"): between(-8.0, 8.0, 0.0, -1.0, 1.0),
 }
 TOLERANCE = {
+    "erf_inverse": (3e-4, 1e-6),  # 1 - 1e-4 in single precision has three digits of its distance from 1
     # The part across omega_o is what is left of N; next to -omega_o a thousandth of it, with as many digits fewer.
     "facing_normal": (3e-5, 1e-3),
     # Taking away the part of v along N loses |v| / |x| in digits, at most 1e4 before the fallback.

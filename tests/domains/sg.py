@@ -64,6 +64,8 @@ DOMAINS = {
     "sharpness": log_between(1e-4, 1e5),
 }
 SPECIAL = {
+    ("gaussian_direction", "u"): lambda rng, count: rng.random((count, 2)),
+    ("gaussian_pdf", "value"): between(0.0, 1.0),
     **{(name, "F_0"): _three(0.0, 1.0) for name in ("F_color", "f_gloss", "gloss_of_gaussian")},
     ("F_color", "cos_theta"): between(-0.1, 1.0),
     ("gloss_of_gaussian", "sharpness"): log_between(0.1, 1e3),
@@ -77,6 +79,7 @@ SPECIAL = {
     ("hat_integral", "u"): _three(-1.5, 1.5),
 }
 TOLERANCE = {
+    "gaussian_direction": (1e-3, 1e-4),  # opposite to the axis 2 - below loses digits
     # Coefficients up to 250 with alternating signs: 1e3 roundings of 6e-8 of the largest integral, which is 3 here.
     "volume_sum": (3e-5, 2e-4),
     # Up to eight times that.

@@ -1,0 +1,275 @@
+"""Progressive path tracing of cloth, objects and a ground under a sky: the judge of the other methods.   [own, docs/path.md]"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import moderngl
+import numpy as np
+
+from ..accel.ground import OverGround
+from ..accel.structure import Structure, make_structure
+from ..accel.triangles import Triangles
+from ..color import luminance
+from ..fabric import Fabric
+from ..geometry.camera import Camera
+from ..geometry.mesh import Mesh
+from ..gpu.buffers import Buffer, TextureBuffer
+from ..gpu.layout import constant
+from ..gpu.memo import Last
+from ..gpu.programs import Compute, programs
+from ..gpu.scene_buffers import fabric_records
+from ..visibility.hit_vertices import HitSurface, HitVertices
+from ..visibility.sheets import Sheets, sight
+from .energy import mean_albedo, reflection_limit
+from .sky import Sky
+
+STRUCTURE = "lbvh"
+BATCH = 4  # samples a dispatch: more may run into llvmpipe's 65,535 loop iterations, which ends them without an error
+FIRST_PART = 1 << 14  # pixels of the first dispatch; then as many as take about PATIENCE
+PATIENCE = 0.2  # seconds between two chances to stop
+TEXELS = 3  # of passes/tracing/path.comp
+LEAST_SAMPLES = 16  # before the noise is believed
+
+
+@dataclass(frozen=True, eq=False)
+class PathWorld:
+    """What paths meet.
+
+    Parameters
+    ----------
+    cloths : meshes with their fabrics, at least one
+    solids : other meshes with what each triangle reflects, [T, 3], all matt
+    ground : height and reflectance [3] of a plane without end; None: there is none
+    """
+
+    cloths: tuple[tuple[Mesh, Fabric], ...]
+    solids: tuple[tuple[Mesh, np.ndarray], ...] = ()
+    ground: tuple[float, tuple[float, float, float]] | None = None
+
+    @property
+    def key(self) -> tuple:
+        """What its buffers are made of."""
+        return self.cloths, self.solids, self.ground
+
+
+class PathView(NamedTuple):
+    """How a picture is taken: `vertices` is the most surfaces on a path that scatter; `background` whether the map is seen."""
+
+    camera: Camera
+    size: tuple[int, int]
+    environment: dict[str, Any]  # environment_map and map_from_world
+    background: bool = True
+    vertices: int = 24
+
+
+@dataclass(frozen=True, eq=False)
+class PathSums:
+    """What the samples of a picture add up to; arrays with the top row first.
+
+    Parameters
+    ----------
+    samples : per pixel
+    light, squares : [H, W, 3], and [H, W] of its luminance squared
+    normal, albedo, cover : [H, W, 3], [H, W, 3] and [H, W], of what is seen first
+    """
+
+    samples: int
+    light: np.ndarray
+    squares: np.ndarray
+    normal: np.ndarray
+    albedo: np.ndarray
+    cover: np.ndarray
+
+    @property
+    def picture(self) -> np.ndarray:
+        """float32 [H, W, 4]: the mean light, and how much of a pixel is covered."""
+        rgba = np.concatenate([self.light, self.cover[..., None]], -1) / self.samples
+        return rgba.astype(np.float32)
+
+    @property
+    def standard_error(self) -> np.ndarray:
+        """Of the luminance of each pixel [H, W] float32, one standard deviation; infinite for a single sample."""
+        n = self.samples
+        if n < 2:
+            return np.full(self.squares.shape, np.inf, np.float32)
+        Y = luminance(self.light.astype(float)) / n
+        return np.sqrt(np.maximum(self.squares / n - Y * Y, 0.0) / (n - 1)).astype(np.float32)
+
+    @property
+    def noise(self) -> float:
+        """The mean standard error of the pixels that show surfaces, in % of their mean luminance; of all where none does."""
+        shown = self.cover > 0
+        shown = shown if shown.any() else np.ones_like(shown)
+        Y = float(luminance(self.light.astype(float))[shown].mean()) / self.samples
+        return 100.0 * float(self.standard_error[shown].mean(dtype=float)) / max(Y, 1e-30)
+
+
+@dataclass
+class Progress:
+    """How far a picture is: samples of all pixels, pixels of the next ones, and the noise when it was last looked at."""
+
+    samples: int = 0
+    pixels: int = 0
+    noise: float = field(default=np.inf)
+
+
+class PathTracer:
+    """Traces one picture at a time; what does not change from one to the next stays on the GPU."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self.sky = Sky(ctx)
+        self.progress = Progress()
+        self._hits = HitVertices(ctx)
+        self._sheets = Sheets(ctx, self._hits)
+        self._tree: Structure = make_structure(ctx, STRUCTURE)
+        self._triangles: Triangles | None = None
+        self._solid, self._cloth, self._fabric = TextureBuffer(ctx, 16), TextureBuffer(ctx, 64), TextureBuffer(ctx, 16)
+        self._sums = Buffer(ctx, 16)
+        self._built: Last[None] = Last()
+        self._dressed: Last[None] = Last()
+        self._size = (0, 0)
+        self._part = FIRST_PART
+
+    def take(self, world: PathWorld) -> None:
+        """Take what paths meet."""
+        self._world = world
+        meshes = tuple(mesh for mesh, _ in (*world.cloths, *world.solids))
+        self._built.get(lambda: self._build(meshes), meshes)
+        self._dressed.get(self._dress, *world.key)
+
+    def _build(self, meshes: tuple[Mesh, ...]) -> None:
+        if self._triangles is not None:
+            self._triangles.release()
+        corners = np.concatenate([mesh.positions[mesh.triangles] for mesh in meshes])
+        self._triangles = Triangles.of(self.ctx, corners)
+        self._tree.build(self._triangles)
+        self._hits.prepare([HitSurface(mesh, mesh) for mesh in meshes], self._triangles)
+
+    def _dress(self) -> None:
+        """Upload what surfaces reflect and let through."""
+        fabrics = [fabric for _, fabric in self._world.cloths]
+        ends = np.cumsum([len(mesh.triangles) for mesh, _ in self._world.cloths])
+        rows = np.zeros((len(fabrics), 4, 4), "f4")
+        stride = 16 * (4 + int(constant("MAX_TANGENTS")))
+        records = b""
+        for row, fabric, end in zip(rows, fabrics, ends, strict=True):
+            counts = [sum(t.yarn == j for t in fabric.tangents) for j in (0, 1)]
+            row[0] = *counts, fabric.sigma, fabric.gap
+            row[2, 3], row[3, 2] = end, 1.0
+            if (t := fabric.transmission) is not None:
+                row[1], row[2, :3] = (t.rho, t.k_a, t.k_t, t.diffuse), t.tau
+                row[3] = t.eta_1, t.eta_2, reflection_limit(fabric), 1.0
+            records += fabric_records(fabric).ljust(stride, b"\0")
+        self._cloth.write(rows)
+        self._fabric.write(records)
+        solid = [reflectance for _, reflectance in self._world.solids]
+        ground = self._world.ground[1] if self._world.ground is not None else (0.0, 0.0, 0.0)
+        colors = np.concatenate([*solid, np.reshape(ground, (1, 3))])
+        self._solid.write(np.pad(colors, ((0, 0), (0, 1))).astype("f4"))
+        self._sheer = self._sheets.prepare([fabric.transmission for fabric in fabrics])
+
+    def _inputs(self, view: PathView) -> dict[str, Any]:
+        right, up, _ = view.camera.axes
+        radius = 0.5 * view.camera.aperture
+        world = self._world
+        return {
+            **self._structure.inputs(),
+            **self._hits.inputs_of_hits(),
+            **(self._sheer.inputs() if self._sheer is not None else {}),
+            **self.sky.inputs(),
+            **view.environment,
+            "solid_data": self._solid,
+            "cloth_data": self._cloth,
+            "fabric_data": self._fabric,
+            "cloth_count": len(world.cloths),
+            "cloth_triangles": self._hits.first_triangle[len(world.cloths)],
+            "solid_triangles": self._hits.first_triangle[-1] - self._hits.first_triangle[len(world.cloths)],
+            "background": view.background,
+            "size": view.size,
+            "most_vertices": view.vertices,
+            "ray_from_pixel": view.camera.ray_from_pixel(view.size),
+            "origin_from_pixel": view.camera.origin_from_pixel(view.size),
+            "lens_x": tuple(radius * right),
+            "lens_y": tuple(radius * up),
+            "focus": view.camera.focus_distance,
+        }
+
+    @property
+    def _structure(self) -> Structure:
+        ground = self._world.ground
+        return self._tree if ground is None else OverGround(self._tree, ground[0])
+
+    def _program(self) -> Compute:
+        defines, virtual, _ = sight(self._structure, self._sheer, "inputs/tracing/sight_either.glsl")
+        virtual["sky.glsl"] = self.sky.source
+        return programs(self.ctx).compute("passes/tracing/path.comp", defines, virtual)
+
+    def steps(
+        self, view: PathView, samples: int, noise: float = 0.0, patience: Callable[[], float] | None = None
+    ) -> Iterator[Progress]:
+        """Trace a picture of what was taken, under the light of `sky`, from its first sample on; yields after each dispatch.
+
+        Parameters
+        ----------
+        samples : per pixel, at most
+        noise : stop where `PathSums.noise` is that small, %; 0: never
+        patience : how long a dispatch may take, seconds; None: PATIENCE
+        """
+        pixels = view.size[0] * view.size[1]
+        self._size = view.size
+        self._sums.write(np.zeros((pixels, TEXELS, 4), "f4"))
+        progress = self.progress = Progress()
+        program, inputs, look = self._program(), self._inputs(view), LEAST_SAMPLES
+        while progress.samples < samples:
+            count = min(BATCH, samples - progress.samples)
+            while progress.pixels < pixels:
+                begin, part = time.perf_counter(), min(self._part, pixels - progress.pixels)
+                where = {"first_pixel": progress.pixels, "pixel_count": part}
+                which = {"first_sample": progress.samples, "sample_count": count}
+                program.run(part, inputs, where, which, Sums=self._sums)
+                self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
+                progress.pixels += part
+                took, wanted = time.perf_counter() - begin, patience() if patience else PATIENCE
+                if part == self._part:
+                    self._part = int(np.clip(part * np.clip(wanted / max(took, 1e-4), 0.5, 2.0), 1 << 10, 1 << 22))
+                if progress.pixels < pixels:
+                    yield progress
+            progress.samples, progress.pixels = progress.samples + count, 0
+            if noise > 0.0 and progress.samples >= look:
+                look = progress.samples + max(BATCH, progress.samples // 4)
+                progress.noise = self.sums().noise
+                if progress.noise <= noise:
+                    yield progress
+                    return
+            yield progress
+
+    def sums(self) -> PathSums:
+        """What the whole samples so far add up to, read from the GPU."""
+        width, height = self._size
+        data = np.frombuffer(self._sums.read(16 * TEXELS * width * height), "f4").reshape(height, width, TEXELS, 4)[::-1]
+        albedo = data[..., 2, :3].copy()
+        return PathSums(
+            max(self.progress.samples, 1),
+            data[..., 0, :3].copy(),
+            data[..., 0, 3].copy(),
+            data[..., 1, :3].copy(),
+            albedo,
+            data[..., 1, 3].copy(),
+        )
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        for one in (self.sky, self._sheets, self._tree, self._solid, self._cloth, self._fabric, self._sums):
+            one.release()
+        if self._triangles is not None:
+            self._triangles.release()
+
+
+def first_albedos(world: PathWorld) -> np.ndarray:
+    """The albedo [C, 3] of each cloth in even light."""
+    return np.array([mean_albedo(fabric) for _, fabric in world.cloths])

@@ -1,0 +1,133 @@
+"""The light from far away for the path tracer: a map without its suns or the fitted Gaussians, and how both are drawn."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import moderngl
+import numpy as np
+
+from ..color import luminance
+from ..gpu.buffers import TextureBuffer
+from ..gpu.environment_map import EnvironmentMap
+from ..gpu.memo import Last
+from ..gpu.scene_buffers import light_records
+from ..light import equirect
+from ..light.environment import Environment
+from ..light.lights import Lights, Suns
+from ..light.suns import split_suns
+
+CELLS = 512, 256  # across and down; a draw chooses among them by 24 bits, which they divide evenly
+EVEN = 0.02  # of the draws are even, for light that the cells do not show
+
+
+class Sky:
+    """What the path tracer reads of "sky.glsl", and the suns."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self._map = EnvironmentMap(ctx)
+        self._cells = TextureBuffer(ctx, 16)
+        self._lights, self._shares, self._suns = TextureBuffer(ctx, 16), TextureBuffer(ctx, 16), TextureBuffer(ctx, 16)
+        self._split: Last[tuple[Suns, Environment]] = Last()
+        self._taken: Last[dict[str, Any]] = Last()
+        self._sun: Last[None] = Last()
+        self.suns = Suns()
+        self.source = ""
+
+    def take_map(self, environment: Environment, rotation: np.ndarray) -> None:
+        """The light of a map turned by a rotation [3, 3]; its suns have no size."""
+        self.source = "inputs/tracing/path_sky_map.glsl"
+        suns, rest = self._split.get(lambda: _split(environment), environment)
+        self._take_suns(suns.rotated(rotation))
+        inputs = self._taken.get(lambda: self._put_map(rest), rest)
+        self._inputs = inputs | {"environment_from_world": np.asarray(rotation).T}
+
+    def take_lights(self, lights: Lights) -> None:
+        """The light of Gaussians and suns, in world space."""
+        self.source = "inputs/tracing/path_sky_sg.glsl"
+        self._take_suns(lights.suns)
+        self._inputs = self._taken.get(lambda: self._put_lights(lights), lights)
+
+    def _put_map(self, rest: Environment) -> dict[str, Any]:
+        self._cells.write(alias_cells(rest.radiance))
+        return {"sky_map": self._map.texture(rest), "sky_cells": self._cells, "sky_size": CELLS}
+
+    def _put_lights(self, lights: Lights) -> dict[str, Any]:
+        g = lights.gaussians
+        sharpness = np.maximum(g.sharpness, 1e-6)
+        flux = np.abs(luminance(g.amplitude)) * 2 * np.pi * -np.expm1(-2 * sharpness) / sharpness
+        rows = np.zeros((max(len(g), 1), 4), "f4")
+        if len(g):
+            share = (flux + 1e-3 * flux.sum() / len(g) + 1e-30) / (flux.sum() * 1.001 + 1e-30 * len(g))
+            rows[:, 0], rows[:, 1] = share, np.cumsum(share)
+        self._lights.write(light_records(lights))
+        self._shares.write(rows)
+        return {"light_data": self._lights, "gaussian_count": len(g), "share_data": self._shares}
+
+    def _take_suns(self, suns: Suns) -> None:
+        self.suns = suns
+        self._sun.get(lambda: self._suns.write(sun_records(suns)), suns.direction.tobytes(), suns.irradiance.tobytes())
+
+    def inputs(self) -> dict[str, Any]:
+        """By their names in GLSL."""
+        return self._inputs | {"sun_data": self._suns, "sun_count": len(self.suns)}
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        for one in (self._map, self._cells, self._lights, self._shares, self._suns):
+            one.release()
+
+
+def _split(environment: Environment) -> tuple[Suns, Environment]:
+    suns, rest = split_suns(environment.radiance)
+    return suns, environment if rest is environment.radiance else Environment("without suns", rest)
+
+
+def sun_records(suns: Suns) -> np.ndarray:
+    """[S, 2, 4] float32: directions with the sum of shares, and irradiance over the share, by which one is drawn."""
+    rows = np.zeros((max(len(suns), 1), 2, 4), "f4")
+    if len(suns):
+        bright = np.abs(luminance(suns.irradiance)) + 1e-30
+        share = bright / bright.sum()
+        rows[:, 0, :3], rows[:, 0, 3], rows[:, 1, :3] = suns.direction, np.cumsum(share), suns.irradiance / share[:, None]
+    return rows
+
+
+def alias_cells(radiance: np.ndarray) -> np.ndarray:
+    """Cells of a map [H, W, 3] by which light is drawn: [C, 4] float32, for each cell, row by row of CELLS: the chance that it
+    keeps a draw, the cell that gets it else, and the density of draws within it, per solid angle.   [Walker 1977]
+    """
+    width, height = CELLS
+    Y = luminance(radiance).astype(float)
+    # What is read between texels reaches over their edges.
+    Y = np.maximum(Y, 0.5 * (np.roll(Y, 1, 1) + np.roll(Y, -1, 1)))
+    Y[1:-1] = np.maximum(Y[1:-1], 0.5 * (Y[:-2] + Y[2:]))
+    solid = np.repeat(equirect.row_solid_angles(height, width), width)
+    bright = equirect.resize(Y[..., None].astype(np.float32), height, width).astype(float).reshape(-1)
+    flux = np.maximum(bright, 0.0) * solid
+    share = (1 - EVEN) * flux / max(flux.sum(), 1e-30) + EVEN * solid / solid.sum()
+    share /= share.sum()
+    rows = np.zeros((len(share), 4), "f4")
+    rows[:, 0], rows[:, 1] = alias_table(share)
+    rows[:, 2] = share / solid
+    return rows
+
+
+def alias_table(share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Chances [N] to keep a draw and who gets it else [N], so that an even choice becomes one by shares [N].
+
+    Vose 1991, "A linear algorithm for generating random numbers with a given distribution".
+    """
+    count = len(share)
+    level = (np.asarray(share, float) * count).tolist()
+    other = list(range(count))
+    small = [i for i, x in enumerate(level) if x < 1.0]
+    large = [i for i, x in enumerate(level) if x >= 1.0]
+    keep = [1.0] * count
+    while small and large:
+        a, b = small.pop(), large[-1]
+        keep[a], other[a] = level[a], b
+        level[b] -= 1.0 - level[a]
+        if level[b] < 1.0:
+            small.append(large.pop())
+    return np.array(keep), np.array(other)

@@ -1,0 +1,69 @@
+// What a ray of the path tracer meets: the frame and the material of a point, and where rays from it start.
+// glcloth/tracing/path.py fills the buffers; the cloths come first, then the objects; the ground is a plane.
+#include "core/math.glsl"
+#include "core/origin.glsl"
+#include "core/shading_frame.glsl"
+#include "trace/ground.glsl"
+#ifndef SHEER
+uniform isamplerBuffer hit_corners;  // three a triangle, in the order that hits are weighted in
+uniform samplerBuffer hit_vertices;  // three texels a vertex: position, normal, tangent with the handedness
+#endif
+uniform samplerBuffer solid_data;    // of each triangle of the objects what it reflects, then of the ground
+uniform samplerBuffer cloth_data;    // CLOTH_TEXELS a cloth, see inputs/tracing/path_fabric.glsl
+uniform int cloth_count;
+uniform int cloth_triangles;         // of all cloths; the objects' follow
+uniform int solid_triangles;
+
+const int CLOTH_TEXELS = 4;
+const float OFFSET = 0.02;           // of the triangle's size: how far rays start from it
+const float GROUND_OFFSET = 1e-5;    // of the distance
+
+struct Point {
+    int cloth;        // -1: it is matt
+    vec3 reflectance;
+    mat3 frame;       // columns x, y, N, toward where the ray comes from
+    vec3 N_g;         // of the triangle, likewise
+    vec3 origin;      // of rays on that side,
+    vec3 behind;      // and on the other one
+};
+
+int cloth_of(int triangle) {
+    int c = 0;
+    while (c + 1 < cloth_count && float(triangle) >= texelFetch(cloth_data, CLOTH_TEXELS * c + 2).w) ++c;
+    return c;
+}
+
+Point ground_point(vec3 o, vec3 d, float t) {
+    vec3 N = vec3(0.0, d.y < 0.0 ? 1.0 : -1.0, 0.0);
+    vec3 x = vec3(1.0, 0.0, 0.0), p = o + t * d;
+    float off = GROUND_OFFSET * (1.0 + t);
+    // From below the ground is black.
+    vec3 color = d.y < 0.0 ? texelFetch(solid_data, solid_triangles).rgb : vec3(0.0);
+    return Point(-1, color, mat3(x, cross(N, x), N), N, p + off * N, p - off * N);
+}
+
+// The point where a ray along d meets a triangle.
+Point point_at(int triangle, vec2 at, vec3 d) {
+    ivec3 v = 3 * ivec3(texelFetch(hit_corners, 3 * triangle).x, texelFetch(hit_corners, 3 * triangle + 1).x,
+        texelFetch(hit_corners, 3 * triangle + 2).x);
+    vec3 w = vec3(1.0 - at.x - at.y, at);
+    vec3 a = texelFetch(hit_vertices, v.x).xyz, b = texelFetch(hit_vertices, v.y).xyz, c = texelFetch(hit_vertices, v.z).xyz;
+    vec3 across = cross(b - a, c - a);
+    float side = dot(across, d) > 0.0 ? -1.0 : 1.0;
+    vec3 n_a = side * texelFetch(hit_vertices, v.x + 1).xyz, n_b = side * texelFetch(hit_vertices, v.y + 1).xyz;
+    vec3 n_c = side * texelFetch(hit_vertices, v.z + 1).xyz;
+    vec4 x_a = texelFetch(hit_vertices, v.x + 2);
+    vec3 x = w.x * x_a.xyz + w.y * texelFetch(hit_vertices, v.y + 2).xyz + w.z * texelFetch(hit_vertices, v.z + 2).xyz;
+    float area_2 = max(length(across), 1e-30);
+    vec3 N_g = side * across / area_2;
+    // As passes/picture/surface.frag bends it.
+    vec3 N = facing_normal(normalize(w.x * n_a + w.y * n_b + w.z * n_c), -d, clamp(-dot(N_g, d), 0.02, 0.1));
+    x = orthogonal_part(x, N);
+    vec3 p = w.x * a + w.y * b + w.z * c;
+    vec3 off = OFFSET * sqrt(area_2) * N_g;
+    bool cloth = triangle < cloth_triangles;
+    vec3 reflectance = cloth ? vec3(0.0) : texelFetch(solid_data, triangle - cloth_triangles).rgb;
+    // Seen from behind, x stays and y stays: (x, y, -N) has the other handedness.
+    return Point(cloth ? cloth_of(triangle) : -1, reflectance, mat3(x, side * x_a.w * cross(N, x), N), N_g,
+        lifted(p, w, a, b, c, n_a, n_b, n_c) + off, lifted(p, w, a, b, c, -n_a, -n_b, -n_c) - off);
+}

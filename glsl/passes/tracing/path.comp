@@ -1,0 +1,225 @@
+#version 430
+// Progressive path tracing: some samples of every pixel of a part of the picture, added to sums.   [Kajiya 1986; own]
+// Light is sampled at every vertex (a sun; a direction of the sky, weighted by the balance heuristic against those that
+// the surface draws   [Veach 1995]), and paths end by Russian roulette. Defines: SHEER, where cloth lets light through.
+// At most four samples a dispatch: loops may end silently after 65,535 iterations.
+layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
+#include "sight.glsl"
+#include "inputs/tracing/path_fabric.glsl"
+#include "core/equirect.glsl"
+#include "sky.glsl"
+layout(std430) buffer Sums { vec4 sums[]; };  // SUM_TEXELS a pixel: light and its luminance squared; N, cover; albedo, -
+uniform sampler2D environment_map;  // behind all
+uniform mat3 map_from_world;
+uniform bool background;
+uniform ivec2 size;
+uniform int first_pixel;
+uniform int pixel_count;
+uniform int first_sample;
+uniform int sample_count;
+uniform int most_vertices;          // surfaces on the way that scatter; what they send to the next ones is lost
+uniform mat3 ray_from_pixel;
+uniform mat3 origin_from_pixel;
+uniform vec3 lens_x;                // half axes of the lens
+uniform vec3 lens_y;
+uniform float focus;                // along the view
+uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, -)
+uniform int sun_count;
+
+const int SUM_TEXELS = 3;
+const int STEPS = 24;               // surfaces on a path, those that let it go on straight among them
+const int SURE = 3;                 // vertices before roulette begins
+const float SURVIVAL = 0.95;        // at most
+const float DARK = 1e-7;            // of the light is not worth a ray
+
+uvec3 state;
+
+vec3 rnd() {
+    state.z += 1u;
+    return vec3(hash3(state) >> 8u) / 16777216.0;
+}
+
+float most(vec3 v) { return max(v.r, max(v.g, v.b)); }
+
+struct Path {
+    vec3 o, d;
+    float from;      // hits count beyond
+    vec3 T;          // what light at its end counts for
+    float pdf;       // with which d was drawn, where it might have been drawn from the sky; 0: it could not
+    bool seen;       // straight from the eye
+    int vertices;
+    bool more;
+};
+
+struct Sample {
+    vec3 L;
+    vec3 N;
+    vec3 albedo;
+    float cover;
+};
+
+#ifdef SHEER
+vec3 light_left(vec3 o, vec3 d) {
+    Visit first;
+    return left_along(o, d, first);
+}
+#else
+vec3 light_left(vec3 o, vec3 d) {
+    Visit visit = Visit(3e38, ANY_HIT, vec2(0.0));
+    traverse(make_ray(o, d, 0.0, 3e38), visit);
+    return vec3(visit.t > 0.0 ? 1.0 : 0.0);
+}
+#endif
+
+// What a point sends toward where the ray comes from, of light from a direction (its frame), and the density with which it
+// draws that direction: `chances` of reflection and of what comes evenly through.
+vec3 scattered(Point point, Fabric fabric, vec3 omega_i, vec3 omega_o, vec2 chances, out float pdf) {
+    if (point.cloth < 0) {
+        pdf = max(omega_i.z, 0.0) / PI;
+        return point.reflectance * pdf;
+    }
+    vec3 f = f_and_pdf(fabric, omega_i, omega_o, pdf);
+    pdf *= chances.x;
+#ifdef SHEER
+    if (omega_i.z < 0.0) {
+        vec4 p = texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 1);
+        vec3 tau = texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 2).xyz;
+        f = f_lambert(vec3(omega_i.xy, -omega_i.z), vec3(omega_o.xy, -omega_o.z), p.z, tau, p.x, p.w);
+        pdf = chances.y * -omega_i.z / PI;
+    }
+#endif
+    return f;
+}
+
+// The light of a sun (`of_sun`) or of a direction of the sky that reaches a point and goes on along the path.
+vec3 lit(Point point, Fabric fabric, vec3 omega_o, vec2 chances, bool of_sun, vec3 T) {
+    vec3 choice = rnd(), place = rnd();
+    vec3 d, light;
+    float pdf_sky = 0.0, pdf;
+    if (of_sun) {
+        int s = 0;
+        while (s + 1 < sun_count && choice.x >= texelFetch(sun_data, 2 * s).w) ++s;
+        d = texelFetch(sun_data, 2 * s).xyz;
+        light = texelFetch(sun_data, 2 * s + 1).rgb;
+    } else {
+        d = sky_direction(choice.xy, place.xy);
+        light = sky_radiance(d, pdf_sky);
+    }
+    vec3 omega_i = d * point.frame;
+    vec3 f = scattered(point, fabric, omega_i, omega_o, chances, pdf);
+    vec3 L = T * f * light * (of_sun ? 1.0 : 1.0 / max(pdf_sky + pdf, 1e-20));
+    bool worth_it = most(abs(L)) > DARK;
+    // A ray that is not worth it is sent nowhere.
+    vec3 left = vec3(0.0);
+    if (worth_it) left = light_left(omega_i.z < 0.0 ? point.behind : point.origin, d);
+    return L * left;
+}
+
+// What a path brings that leaves the scene.
+vec3 from_sky(Path path) {
+    vec3 behind = background ? textureLod(environment_map, uv_from_direction(normalize(map_from_world * path.d)), 0.0).rgb
+        : vec3(0.0);
+    float pdf_sky;
+    vec3 light = sky_radiance(path.d, pdf_sky);
+    light *= path.pdf > 0.0 ? path.pdf / (path.pdf + pdf_sky) : 1.0;
+    return path.T * (path.seen ? behind : light);
+}
+
+// The path goes on from a point in a drawn direction.
+void scatter(inout Path path, Point point, Fabric fabric, vec3 omega_o, vec2 chances) {
+    vec3 u = rnd();
+    bool through = false;
+    vec3 omega_i;
+    path.seen = false;
+#ifdef SHEER
+    through = u.z * (chances.x + chances.y) >= chances.x;
+    if (!through) u.z = u.z * (chances.x + chances.y) / max(chances.x, 1e-20);
+#endif
+    if (through || point.cloth < 0) omega_i = cosine_direction(u.xy);
+    else omega_i = drawn_direction(fabric, omega_o, min(u.z, 0.9999999), u.xy);
+    omega_i.z *= through ? -1.0 : 1.0;
+    float pdf;
+    vec3 f = scattered(point, fabric, omega_i, omega_o, chances, pdf);
+    path.T *= pdf > 0.0 ? f / pdf : vec3(0.0);
+    path.pdf = pdf;
+    path.o = through ? point.behind : point.origin;
+    path.d = point.frame * omega_i;
+    path.from = 0.0;
+    path.vertices += 1;
+}
+
+void roulette(inout Path path) {
+    float left = most(path.T);
+    float q = path.vertices > SURE ? min(left, SURVIVAL) : 1.0;
+    path.more = path.more && left > 0.0 && rnd().x < q;
+    path.T /= max(q, 1e-20);
+}
+
+// One surface on the way.
+void meet(inout Path path, Visit visit, inout Sample one) {
+    Point point;
+    if (visit.triangle == GROUND) point = ground_point(path.o, path.d, visit.t);
+    else point = point_at(int(visit.triangle), visit.weights, path.d);
+    vec3 omega_o = -path.d * point.frame;
+    Fabric fabric = fetch_fabric(max(point.cloth, 0));
+    if (one.cover == 0.0 && path.seen) {
+        one.N = point.frame[2];
+        one.albedo = point.reflectance;
+    }
+    vec2 chances = vec2(1.0, 0.0);
+    if (path.seen) one.cover = 1.0;
+    int kind = sun_count > 0 ? 0 : 1;
+    do {
+        one.L += lit(point, fabric, omega_o, chances, kind == 0, path.T);
+    } while (++kind < 2);
+    scatter(path, point, fabric, omega_o, chances);
+    roulette(path);
+}
+
+Sample sample_of(ivec2 pixel) {
+    vec3 in_pixel = rnd(), on_lens = rnd();
+    vec3 at = vec3(vec2(pixel) + in_pixel.xy, 1.0);
+    vec3 o = origin_from_pixel * at, d = ray_from_pixel * at;
+    float r = sqrt(on_lens.x), turn = 2.0 * PI * on_lens.y;
+    vec3 step_off = r * (cos(turn) * lens_x + sin(turn) * lens_y);
+    d = normalize(d - step_off / focus);
+    Path path = Path(o + step_off, d, 0.0, vec3(1.0), 0.0, true, 0, true);
+    Sample one = Sample(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
+    int steps = 0;
+    do {
+        Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
+        traverse(make_ray(path.o, path.d, path.from, 3e38), visit);
+        if (visit.triangle == NO_TRIANGLE) {
+            one.L += from_sky(path);
+            path.more = false;
+        } else if (path.vertices < most_vertices) {
+            meet(path, visit, one);
+        } else {
+            path.more = false;
+        }
+    } while (path.more && ++steps < STEPS);
+    return one;
+}
+
+void main() {
+    int i = item();
+    if (i >= pixel_count) return;
+    i += first_pixel;
+    ivec2 pixel = ivec2(i % size.x, i / size.x);
+    vec4 light = vec4(0.0), look = vec4(0.0), albedo = vec4(0.0);
+    int n = first_sample;
+    do {
+        state = uvec3(uint(i), uint(n), 0u);
+        Sample one = sample_of(pixel);
+        bool good = !any(isnan(one.L)) && !any(isinf(one.L));
+        one.L = good ? one.L : vec3(0.0);
+        float Y = luminance(one.L);
+        light += vec4(one.L, Y * Y);
+        look += vec4(one.N, one.cover);
+        albedo.rgb += one.albedo;
+    } while (++n < first_sample + sample_count);
+    sums[SUM_TEXELS * i] += light;
+    sums[SUM_TEXELS * i + 1] += look;
+    sums[SUM_TEXELS * i + 2] += albedo;
+}
