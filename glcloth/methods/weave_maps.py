@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import moderngl
@@ -12,7 +13,7 @@ from ..fabric import Fabric
 from ..gpu.memo import Last
 from ..weave.maps import Maps, mip_levels
 from ..weave.tile import tile_size
-from .relief import relief_heights, relief_table
+from .relief import first_level, relief_heights, relief_table
 
 FAR_YARNS, FAR_REPEATS = 2.0, 0.5  # yarns in a pixel, or repeats if these are more, from which on it shows none
 
@@ -96,11 +97,16 @@ class WeaveMaps:
         # The table takes longer than a hand is ready to wait; the first answer to an edit does without.
         relief = 0.0 if weave.is_sketch else weave.relief
         read = {**read, "relief_heights": relief_heights(maps, relief)}
-        shape = weave.shape, weave.occlusion, weave.roll, relief, fabric.tangents, fabric.weights.tobytes(), groups
+        shape = weave.draft, *(getattr(weave.shape, field.name) for field in fields(weave.shape) if field.name != "draft")
+        picks, ends = weave.drafted.structure
+        size = maps.hole.shape
+        first = first_level(size, (ends, picks))
         table = self._relief.get(
-            lambda: self._table(relief_table(self.ctx, read, groups, maps.hole.shape, relief == 0.0)), shape, maps.hole.shape
+            lambda: self._table(relief_table(self.ctx, read, groups, first, relief == 0.0)),
+            *(shape, weave.occlusion, weave.roll, relief, tuple(fabric.tangents), fabric.weights.tobytes(), groups, size),
         )
-        return {**read, "relief_table": table, "relief_levels": float(table.depth // (2 * groups + 1))}
+        levels = first, table.depth // (2 * groups + 1)
+        return {**read, "relief_table": table, "relief_levels": np.array(levels, "f4")}
 
     def _table(self, table: moderngl.Texture3D) -> moderngl.Texture3D:
         """The new table in place of the old one."""
