@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import Any
 
 import moderngl
@@ -12,6 +13,7 @@ from ..fabric import Fabric
 from ..gpu.memo import Last
 from ..weave.maps import Maps, mip_levels
 from ..weave.tile import tile_size
+from .relief import first_level, relief_heights, relief_table
 
 FAR_YARNS, FAR_REPEATS = 2.0, 0.5  # yarns in a pixel, or repeats if these are more, from which on it shows none
 
@@ -44,7 +46,9 @@ class WeaveMaps:
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
         self._made: Last[dict[str, Any]] = Last()
+        self._relief: Last[moderngl.Texture3D] = Last()
         self._textures: list[moderngl.TextureArray] = []
+        self._relief_table: moderngl.Texture3D | None = None
         self._noise = _noise(ctx)
 
     def inputs(self, fabric: Fabric, groups: int, lanes: int) -> dict[str, Any]:
@@ -61,18 +65,21 @@ class WeaveMaps:
             layers[0, t // lanes, t % lanes] = rel
             layers[1, t // lanes, t % lanes] = rel * side[tangent.yarn]
         holes = np.zeros((1, 4, *maps.hole.shape), np.float32)
-        holes[0, 0] = maps.hole
+        heights = relief_heights(maps, fabric.weave.relief)
+        holes[0, 0], holes[0, 1] = maps.hole, fabric.weave.relief * maps.height / max(float(heights[0]), 1e-9)
         layers = np.concatenate([layers.reshape(-1, *layers.shape[2:]), holes])
         colored = fabric.weave.color_map(maps)
         colors, size = (np.zeros((2, 1, 1, 4)), (1.0, 1.0)) if colored is None else colored
         self._textures = [self._array(layers), self._array(np.moveaxis(colors, -1, 1))]
+        repeats = 1.0 / maps.size[0], 1.0 / maps.size[1]
         loose, twist = fabric.weave.irregularity, np.radians(fabric.weave.twist_deg)
         return {
             "weave_map": self._textures[0],
             "hole_mean": float(maps.hole.mean()),
             "color_map": self._textures[1],
             "colored": colored is not None,
-            "weave_repeats": (1.0 / maps.size[0], 1.0 / maps.size[1]),
+            "weave_repeats": repeats,
+            **self._side_view(fabric, maps, groups, {"weave_map": self._textures[0], "weave_repeats": repeats}),
             "color_repeats": (1.0 / size[0], 1.0 / size[1]),
             "noise_map": self._noise,
             "yarns": (100.0 * fabric.weave.picks_per_cm, 100.0 * fabric.weave.ends_per_cm),
@@ -81,6 +88,32 @@ class WeaveMaps:
             "most_taps": MOST_TAPS,
             "weave_A": np.array([y.albedo for y in fabric.yarn], "f4"),
         }
+
+    def _side_view(self, fabric: Fabric, maps: Maps, groups: int, read: dict[str, Any]) -> dict[str, Any]:
+        """What inputs/methods/relief.glsl reads beside the maps, and the table, where yarns hide each other."""
+        weave = fabric.weave
+        if weave is None or not weave.relief:
+            return {}
+        # The table takes longer than a hand is ready to wait; the first answer to an edit does without.
+        relief = 0.0 if weave.is_sketch else weave.relief
+        read = {**read, "relief_heights": relief_heights(maps, relief)}
+        shape = weave.draft, *(getattr(weave.shape, field.name) for field in fields(weave.shape) if field.name != "draft")
+        picks, ends = weave.drafted.structure
+        size = maps.hole.shape
+        first = first_level(size, (ends, picks))
+        table = self._relief.get(
+            lambda: self._table(relief_table(self.ctx, read, groups, first, relief == 0.0)),
+            *(shape, weave.occlusion, weave.roll, relief, tuple(fabric.tangents), fabric.weights.tobytes(), groups, size),
+        )
+        levels = first, table.depth // (2 * groups + 1)
+        return {**read, "relief_table": table, "relief_levels": np.array(levels, "f4")}
+
+    def _table(self, table: moderngl.Texture3D) -> moderngl.Texture3D:
+        """The new table in place of the old one."""
+        if self._relief_table is not None:
+            self._relief_table.release()
+        self._relief_table = table
+        return table
 
     def _array(self, layers: np.ndarray) -> moderngl.TextureArray:
         """A texture array of half floats of layers [N, 4, H, W]; its levels are made here, for drivers round them down."""

@@ -91,7 +91,9 @@ class Threads:
         """Constants of the program for pixels that show threads, beside the method's own."""
         groups, lanes = method.woven_packing()
         each = " ".join(f"F({g});" for g in range(groups))
-        return {**method.defines(), "WEAVE": 1, "GROUPS": groups, "LANE_COUNT": lanes, "EACH_GROUP(F)": each}
+        weave = self._fabric.weave
+        relief = {"RELIEF": 1} if weave is not None and weave.relief else {}
+        return {**method.defines(), "WEAVE": 1, "GROUPS": groups, "LANE_COUNT": lanes, "EACH_GROUP(F)": each, **relief}
 
     def inputs(self, method: Method, buffer: GBuffer) -> dict[str, Any]:
         """What that program reads, beside the method's inputs."""

@@ -232,6 +232,11 @@ class Weave(Value):
         largest = LARGEST if self._side is None else min(2 * self._side, LARGEST)
         return None if colors is None else color_map(self.tile(maps.hole.shape), colors, maps.share, largest)
 
+    @property
+    def is_sketch(self) -> bool:
+        """Whether it is one of `sketch`."""
+        return self._side is not None
+
     def as_draft(self, albedos) -> Draft:
         """The weave as a draft to save: at its sett, with its yarns' widths, and in the colours of its threads.
 

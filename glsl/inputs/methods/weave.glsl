@@ -3,17 +3,25 @@
 // Stands for inputs/methods/threads.glsl. See glcloth/methods/weave_maps.py.
 #include "inputs/methods/rel.glsl"
 #include "inputs/picture/pixel_uv.glsl"
+#ifdef RELIEF
+#include "core/disk.glsl"
+#include "inputs/methods/relief.glsl"
+uniform sampler3D relief_table;  // means of rel, of turn and of holes, each at several levels; omega as a disk
+uniform vec2 relief_levels;  // the mip level of the first, and how many
+#else
+uniform sampler2DArray weave_map;  // GROUPS layers of rel, then of turn; then one whose first value is 1 in holes
+uniform vec2 weave_repeats;        // 1/m, along u and v
+#endif
 #define SUMS vec4
 #define ADD_LIGHT(light, omega) L += (light) * woven(sum_tangents(lean(omega)))
 #define COLORED(sums) woven(sums)
 
 // A uniform: compilers unroll a loop whose limit they can tell, and a software rasteriser then runs all its rounds.
 uniform float most_taps;
-uniform sampler2DArray weave_map;    // GROUPS layers of rel, then of turn; then one whose first value is 1 in holes
-uniform float hole_mean;             // the mean of that
+uniform float hole_mean;             // the share of holes
 uniform sampler2DArray color_map;    // of warp and of weft: colour times share, share
 uniform bool colored;                // whether threads have colours of their own
-uniform vec2 weave_repeats, color_repeats;  // 1/m, along u and v
+uniform vec2 color_repeats;  // 1/m, along u and v
 uniform vec3 weave_A[2];
 uniform float far_footprint;  // metres of cloth, the shorter side of a pixel from which on it shows no threads
 
@@ -25,20 +33,55 @@ uniform vec4 fibres;      // strands across a yarn, their length over their widt
 vec3 pixel_A[2];
 vec4 strands;  // by how much surface and volume terms of warp and weft are brighter
 
+// The places at which a pixel reads a map, in repeats: `count` of them on its longer side `along`, left and right of its middle.
+struct Taps {
+    float count, level;
+    vec2 along, across;
+};
+
+Taps pixel_taps(PixelUv at, vec2 repeats, vec2 size) {
+    vec2 x = at.x * repeats, y = at.y * repeats;
+    vec2 taps = taps_and_level(x * size, y * size, most_taps);
+    bool wide = dot(x * size, x * size) > dot(y * size, y * size);
+    // One place filters a repeat of few texels badly: where pixels run in step with its harmonics, their mean is another one.
+    float least = max(length(at.x * yarns), length(at.y * yarns)) > 0.2 ? 2.0 : 1.0;
+    float count = max(taps.x, least);
+    return Taps(count, taps.y, wide ? x : y, count > 1.0 ? (wide ? y : x) : vec2(0.0));
+}
+
+vec2 tap_place(Taps taps, vec2 middle, float n) {
+    return middle + taps.along * ((n + 0.5) / taps.count - 0.5) + taps.across * (fract(0.5 * n) - 0.25);
+}
+
+// The way to what is seen at a place of the middle plane, in repeats.
+vec2 shift_at(vec2 place, float level, vec3 omega) {
+#ifdef RELIEF
+    return relief_shift(place, level, omega);
+#else
+    return vec2(0.0);
+#endif
+}
+
+#ifdef RELIEF
+vec4 mean_seen(int layer, float level, vec3 omega) {
+    vec2 p = 0.5 + (0.5 - 0.5 / float(textureSize(relief_table, 0).x)) * to_disk(normalize(omega));
+    float z = (float(layer) * relief_levels.y + clamp(level - relief_levels.x, 0.0, relief_levels.y - 1.0) + 0.5) / float(textureSize(relief_table, 0).z);
+    return textureLod(relief_table, vec3(p, z), 0.0);
+}
+#endif
+
 void fetch_colors(PixelUv at) {
     pixel_A[0] = weave_A[0];
     pixel_A[1] = weave_A[1];
     if (!colored) return;
-    vec2 x = at.x * color_repeats, y = at.y * color_repeats, size = vec2(textureSize(color_map, 0).xy);
-    vec2 taps = taps_and_level(x * size, y * size, most_taps);
-    vec2 way = dot(x * size, x * size) > dot(y * size, y * size) ? x : y;
+    Taps taps = pixel_taps(at, color_repeats, vec2(textureSize(color_map, 0).xy));
     vec4 warp = vec4(0.0), weft = vec4(0.0);
     float tap = 0.0;
     do {
-        vec2 place = at.uv * color_repeats + way * ((tap + 0.5) / taps.x - 0.5);
-        warp += textureLod(color_map, vec3(place, 0.0), taps.y);
-        weft += textureLod(color_map, vec3(place, 1.0), taps.y);
-    } while (++tap < taps.x);
+        vec2 place = tap_place(taps, at.uv * color_repeats, tap);
+        warp += textureLod(color_map, vec3(place, 0.0), taps.level);
+        weft += textureLod(color_map, vec3(place, 1.0), taps.level);
+    } while (++tap < taps.count);
     pixel_A[0] = warp.a > 1e-4 ? warp.rgb / warp.a : weave_A[0];
     pixel_A[1] = weft.a > 1e-4 ? weft.rgb / weft.a : weave_A[1];
 }
@@ -67,7 +110,7 @@ PixelUv wandered(PixelUv at) {
         noise(to_weft * q * s + 77.5, to_weft * x * s, to_weft * y * s).w);
     strand *= 0.707 * irregular.w;
     strands = (1.0 + irregular.z * light).xxyy * (1.0 + strand.xxyy * vec4(1.0, 0.4, 1.0, 0.4));
-    return PixelUv(q / yarns, at.x, at.y);
+    return PixelUv(q / yarns, at.x, at.y, at.omega);
 }
 
 // How much of a pixel that covers so much of the cloth shows threads. What a picture's pixels are too coarse to draw would
@@ -79,33 +122,48 @@ float threads_seen(PixelUv at) {
 // The share of a pixel that is a hole between threads; its mean is `hole_mean`.
 float hole_share(ivec2 pixel) {
     PixelUv at = wandered(pixel_uv(pixel));
-    vec2 x = at.x * weave_repeats, y = at.y * weave_repeats, size = vec2(textureSize(weave_map, 0).xy);
-    vec2 taps = taps_and_level(x * size, y * size, most_taps);
-    vec2 way = dot(x * size, x * size) > dot(y * size, y * size) ? x : y;
+    Taps taps = pixel_taps(at, weave_repeats, vec2(textureSize(weave_map, 0).xy));
     float tap = 0.0, hole = 0.0;
     do {
-        vec2 place = at.uv * weave_repeats + way * ((tap + 0.5) / taps.x - 0.5);
-        hole += textureLod(weave_map, vec3(place, float(2 * GROUPS)), taps.y).r;
-    } while (++tap < taps.x);
-    return mix(hole_mean, hole / taps.x, threads_seen(at));
+        vec2 place = tap_place(taps, at.uv * weave_repeats, tap);
+        place += shift_at(place, taps.level, at.omega);
+        hole += textureLod(weave_map, vec3(place, float(2 * GROUPS)), taps.level).r;
+    } while (++tap < taps.count);
+    hole /= taps.count;
+#ifdef RELIEF
+    // Seen from the side holes are narrower; the far cloth's own thickness says so already.
+    float mean = min(mean_seen(2 * GROUPS, taps.level, at.omega).r, 0.999);
+    hole = mean < hole_mean ? hole + (1.0 - hole) * (hole_mean - mean) / (1.0 - mean) : hole * hole_mean / max(mean, 1e-6);
+#endif
+    return mix(hole_mean, hole, threads_seen(at));
 }
 
 void fetch_weave(ivec2 pixel) {
     PixelUv at = wandered(pixel_uv(pixel));
-    vec2 x = at.x * weave_repeats, y = at.y * weave_repeats, size = vec2(textureSize(weave_map, 0).xy);
-    vec2 taps = taps_and_level(x * size, y * size, most_taps);
-    vec2 way = dot(x * size, x * size) > dot(y * size, y * size) ? x : y;
+    Taps taps = pixel_taps(at, weave_repeats, vec2(textureSize(weave_map, 0).xy));
 #define NO_REL(g) rel[g] = turn[g] = vec4(0.0);
-#define ADD_REL(g) rel[g] += textureLod(weave_map, vec3(place, float(g)), taps.y); \
-    turn[g] += textureLod(weave_map, vec3(place, float(g + GROUPS)), taps.y);
+#define ADD_REL(g) rel[g] += textureLod(weave_map, vec3(place, float(g)), taps.level); \
+    turn[g] += textureLod(weave_map, vec3(place, float(g + GROUPS)), taps.level);
 #define MEAN_REL(g) rel[g] = mix(vec4(1.0), share * rel[g], seen); turn[g] *= seen * share;
     EACH_GROUP(NO_REL)
-    float tap = 0.0, share = 1.0 / taps.x;
+    float tap = 0.0, share = 1.0 / taps.count;
+    vec2 shift = vec2(0.0);
     do {
-        vec2 place = at.uv * weave_repeats + way * ((tap + 0.5) * share - 0.5);
+        vec2 place = tap_place(taps, at.uv * weave_repeats, tap), way = shift_at(place, taps.level, at.omega);
+        shift += way;
+        place += way;
         EACH_GROUP(ADD_REL)
-    } while (++tap < taps.x);
+    } while (++tap < taps.count);
     float seen = threads_seen(at);
+#ifdef RELIEF
+    // From the side a repeat shows other shares of the tangents, and other sides of the yarns. The far cloth knows that already.
+#define EVEN_REL(g) { \
+    vec4 mean = mean_seen(g, taps.level, at.omega), side = mean_seen(g + GROUPS, taps.level, at.omega); \
+    rel[g] = taps.count * with_mean(share * rel[g], mean, 1.0); \
+    turn[g] = (turn[g] - side * rel[g]) / max(mean, 0.1); }
+    EACH_GROUP(EVEN_REL)
+    at.uv += share * shift / weave_repeats;
+#endif
     EACH_GROUP(MEAN_REL)
     strands = mix(vec4(1.0), strands, seen);
     fetch_colors(at);

@@ -12,6 +12,7 @@ uniform mat3 step_from_pixel;  // how a ray changes to the next pixel: its direc
 struct PixelUv {
     vec2 uv;
     vec2 x, y;  // change to the next pixel of the row, of the column
+    vec3 omega;  // toward the viewer: along u and v, and off the cloth
 };
 
 PixelUv pixel_uv(ivec2 pixel) {
@@ -28,5 +29,7 @@ PixelUv pixel_uv(ivec2 pixel) {
     vec3 n = cross(b, c);
     n *= inversesqrt(max(dot(n, n), 1e-30));
     vec3 x = place_step(d, step_from_pixel[0], n, t), y = place_step(d, step_from_pixel[1], n, t);
-    return PixelUv(uv + w.y * uv_b + w.z * uv_c, uv_step(x, b, c, uv_b, uv_c), uv_step(y, b, c, uv_b, uv_c));
+    vec3 away = d * -inversesqrt(dot(d, d));
+    vec3 omega = vec3(uv_step(away, b, c, uv_b, uv_c), abs(dot(away, n)));
+    return PixelUv(uv + w.y * uv_b + w.z * uv_c, uv_step(x, b, c, uv_b, uv_c), uv_step(y, b, c, uv_b, uv_c), omega);
 }
