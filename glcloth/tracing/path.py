@@ -24,7 +24,7 @@ from ..gpu.programs import Compute, programs
 from ..gpu.scene_buffers import fabric_records
 from ..visibility.hit_vertices import HitSurface, HitVertices
 from ..visibility.sheets import Sheets, sight
-from .energy import mean_albedo, reflection_limit
+from .energy import reflection_limit
 from .sky import Sky
 
 STRUCTURE = "lbvh"
@@ -248,6 +248,10 @@ class PathTracer:
                     return
             yield progress
 
+    def inputs(self) -> dict[str, Any]:
+        """What passes/picture/path.frag reads."""
+        return {"Sums": self._sums, "size": self._size}
+
     def sums(self) -> PathSums:
         """What the whole samples so far add up to, read from the GPU."""
         width, height = self._size
@@ -269,7 +273,3 @@ class PathTracer:
         if self._triangles is not None:
             self._triangles.release()
 
-
-def first_albedos(world: PathWorld) -> np.ndarray:
-    """The albedo [C, 3] of each cloth in even light."""
-    return np.array([mean_albedo(fabric) for _, fabric in world.cloths])

@@ -25,7 +25,7 @@ uniform vec3 lens_x;                // half axes of the lens
 uniform vec3 lens_y;
 uniform float focus;                // along the view
 uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, -)
-uniform int sun_count;
+uniform int drawn_suns;
 
 const int SUM_TEXELS = 3;
 const int STEPS = 24;               // surfaces on a path, those that let it go on straight among them
@@ -99,7 +99,7 @@ vec3 lit(Point point, Fabric fabric, vec3 omega_o, vec2 chances, bool of_sun, ve
     float pdf_sky = 0.0, pdf;
     if (of_sun) {
         int s = 0;
-        while (s + 1 < sun_count && choice.x >= texelFetch(sun_data, 2 * s).w) ++s;
+        while (s + 1 < drawn_suns && choice.x >= texelFetch(sun_data, 2 * s).w) ++s;
         d = texelFetch(sun_data, 2 * s).xyz;
         light = texelFetch(sun_data, 2 * s + 1).rgb;
     } else {
@@ -169,7 +169,7 @@ void meet(inout Path path, Visit visit, inout Sample one) {
     }
     vec2 chances = vec2(1.0, 0.0);
     if (path.seen) one.cover = 1.0;
-    int kind = sun_count > 0 ? 0 : 1;
+    int kind = drawn_suns > 0 ? 0 : 1;
     do {
         one.L += lit(point, fabric, omega_o, chances, kind == 0, path.T);
     } while (++kind < 2);
