@@ -24,7 +24,7 @@ from ..gpu.programs import Compute, programs
 from ..gpu.scene_buffers import fabric_records
 from ..visibility.hit_vertices import HitSurface, HitVertices
 from ..visibility.sheets import Sheets, sight
-from .energy import reflection_limit
+from .energy import mean_albedo, reflection_limit
 from .sky import Sky
 
 STRUCTURE = "lbvh"
@@ -154,7 +154,7 @@ class PathTracer:
         """Upload what surfaces reflect and let through."""
         fabrics = [fabric for _, fabric in self._world.cloths]
         ends = np.cumsum([len(mesh.triangles) for mesh, _ in self._world.cloths])
-        rows = np.zeros((len(fabrics), 4, 4), "f4")
+        rows = np.zeros((len(fabrics), 5, 4), "f4")
         stride = 16 * (4 + int(constant("MAX_TANGENTS")))
         records = b""
         for row, fabric, end in zip(rows, fabrics, ends, strict=True):
@@ -164,6 +164,7 @@ class PathTracer:
             if (t := fabric.transmission) is not None:
                 row[1], row[2, :3] = (t.rho, t.k_a, t.k_t, t.diffuse), t.tau
                 row[3] = t.eta_1, t.eta_2, reflection_limit(fabric), 1.0
+            row[4, :3] = row[3, 2] * mean_albedo(fabric)
             records += fabric_records(fabric).ljust(stride, b"\0")
         self._cloth.write(rows)
         self._fabric.write(records)
