@@ -184,9 +184,8 @@ class PathTracer:
             **(self._sheer.inputs() if self._sheer is not None else {}),
             **self.sky.inputs(),
             **view.environment,
+            **self.fabric_inputs(),
             "solid_data": self._solid,
-            "cloth_data": self._cloth,
-            "fabric_data": self._fabric,
             "cloth_count": len(world.cloths),
             "cloth_triangles": self._hits.first_triangle[len(world.cloths)],
             "solid_triangles": self._hits.first_triangle[-1] - self._hits.first_triangle[len(world.cloths)],
@@ -199,6 +198,10 @@ class PathTracer:
             "lens_y": tuple(radius * up),
             "focus": view.camera.focus_distance,
         }
+
+    def fabric_inputs(self) -> dict[str, Any]:
+        """What inputs/tracing/path_fabric.glsl reads of the cloths."""
+        return {"cloth_data": self._cloth, "fabric_data": self._fabric}
 
     @property
     def _structure(self) -> Structure:

@@ -142,7 +142,8 @@ void scatter(inout Path path, Point point, Fabric fabric, vec3 omega_o, vec2 cha
     omega_i.z *= through ? -1.0 : 1.0;
     float pdf;
     vec3 f = scattered(point, fabric, omega_i, omega_o, chances, pdf);
-    path.T *= pdf > 0.0 ? f / pdf : vec3(0.0);
+    // A lobe may reach below the horizon, where only what goes through is drawn.
+    path.T *= pdf > 0.0 && through == omega_i.z < 0.0 ? f / pdf : vec3(0.0);
     path.pdf = pdf;
     path.o = through ? point.behind : point.origin;
     path.d = point.frame * omega_i;
