@@ -40,7 +40,7 @@ Share = Annotated[float, Field(ge=0, le=1)]
 CURTAIN = {"fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (640, 640), "method": "trace"}
 option = partial(about, option=True)
 cloth, curtain = partial(option, of="cloth"), partial(option, of="curtain")
-direct, paper, reference = (partial(option, of=method) for method in ("direct", "paper", "reference"))
+direct, paper, reference, path = (partial(option, of=method) for method in ("direct", "paper", "reference", "path"))
 KINDS = {"cloth": "cloth under an environment", "curtain": "the curtain"}
 
 
@@ -206,13 +206,14 @@ class Scene(Value):
         "", "spherical Gaussians fitted to the environment, 1 to 64, or auto", default=10, slider=(1, 64))
     lights: str = cloth(
         "", "file of lights (.json, .toml) instead of a fit; `glcloth env` writes one", default="", file=True)
-    method: Literal[MethodName, "trace"] = option(
-        "", "how light on the cloth is summed; the curtain is traced", default="direct")
+    method: Literal[MethodName, "path", "trace"] = option(
+        "", "how light on the cloth is summed; path: by samples of all its ways, for finished pictures and as the judge; the "
+        "curtain is traced", default="direct")
     quality: Quality = direct(
         "", "nodes per light: draft is fastest, high is closest to the reference", default="normal")
     adaptive: bool = direct(
         "", "shade one pixel in four where neighbours are alike; small pictures in the window always do", default=False)
-    light: Literal["sg", "map"] = reference("", "the fitted lights, or the map itself", default="sg")
+    light: Literal["sg", "map"] = reference("", "the fitted lights, or the map itself (reference, path)", default="sg")
     shadows: ShadowMode = cloth(
         "", "what the cloth hides from itself: nothing, the suns, or all the light", default="full")
     bounce: bool = cloth("", "light from fold to fold, once (with shadows full)", default=True)
@@ -221,7 +222,11 @@ class Scene(Value):
     grid: int = paper("", "directions per axis of the tables; a change makes new ones", default=48, ge=8, le=96)
     contribution: float = paper(
         "", "share of the singular values that tables keep; a change makes new ones", default=0.9, ge=0.5, le=0.9999)
-    spp: int = option("", "samples per pixel of a whole picture", default=1, ge=1, le=4096, slider=(1, 64))
+    spp: int = option(
+        "", "samples per pixel of a whole picture; path: 64 where nothing is said", default=1, ge=1, le=1 << 20, slider=(1, 64))
+    noise: float = path(
+        "%", "stop where the mean standard error of the pixels that show surfaces is so small a share of their mean light, spp "
+        "at the latest; 0: never before", default=0.0, ge=0, le=100, slider=(0.0, 5.0))
     size: tuple[int, int] = option("pixels", "WIDTHxHEIGHT", default=(640, 480))
     exposure: float = option(
         "stops", "brightness on screen and in PNG files; EXR files keep the light itself", default=0.0, ge=-20, le=20,
@@ -276,8 +281,9 @@ class Scene(Value):
                 f"method {self.method}: the curtain is ray traced, expected trace" if self.curtain is not None else
                 "method trace: renders the curtain; give its scene: glcloth render curtain"
             )  # fmt: skip
-        if self.spp > 256 and self.curtain is None:
-            raise ValueError(f"spp = {self.spp}: expected at most 256 (the curtain: 4096)")
+        most = 4096 if self.curtain is not None else 256
+        if self.spp > most and self.method != "path":
+            raise ValueError(f"spp = {self.spp}: expected at most 256 (the curtain: 4096, method path: 1048576)")
         return self
 
     @model_serializer(mode="wrap")

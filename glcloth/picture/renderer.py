@@ -27,12 +27,14 @@ from .background import Background
 from .frame import Frame, Frames
 from .layers import Gathering, Layers, chosen
 from .pace import Pace
+from .path import PathPictures
 from .stage import Stage
 from .surface import Surface
 from .target import Target, Targets
 
 if TYPE_CHECKING:
     from ..curtain.show import CurtainShow
+    from ..tracing.path import PathSums
 
 
 class Renderer:
@@ -55,6 +57,7 @@ class Renderer:
         self._targets = Targets(self.ctx)
         self._target: Target | None = None
         self._background = Background(self.ctx)
+        self._paths = PathPictures(self.ctx)
         self._show: CurtainShow | None = None
         self._last: Frame | CurtainShow | None = None  # the last one rendered
 
@@ -131,6 +134,8 @@ class Renderer:
 
     def render_layers(self, frame: Frame, names: Sequence[str]) -> Layers:
         """Draw a prepared frame with its layers, all pixels shaded; result as for `render` with `aovs`."""
+        if frame.scene.method == "path":
+            raise InputError("aovs: method path has its picture alone; give another method for the layers")
         if frame.scene.adaptive:
             frame = replace(frame, scene=frame.scene.model_copy(update={"adaptive": False}))
         self._last = frame
@@ -171,12 +176,17 @@ class Renderer:
         if not isinstance(self._last, Frame):
             return {} if self._last is None else self._last.facts()
         frame = self._last
+        traced = {}
+        if frame.scene.method == "path":
+            sums = self._paths.sums()
+            traced = {"samples": sums.samples, "noise_percent": round(sums.noise, 4)}
         return {
             "method": frame.scene.method,
             "fabric": ", ".join(dict.fromkeys(cloth.fabric.name for cloth in frame.cloths)),
             "lobes": len(frame.lights.gaussians),
             "suns": len(frame.lights.suns),
             "covered_pixels": self.covered_pixels(),
+            **traced,
         }
 
     def render_frame(self, frame: Frame) -> np.ndarray:
@@ -212,6 +222,10 @@ class Renderer:
         check_stopped()
         pace = Pace(rows, preview, announce)
         target = self._targets.get(frame.scene.size, gathering is not None)
+        if frame.scene.method == "path":
+            self._target, self._last = target, frame
+            yield from self._paths.steps(frame, target.framebuffer, pace)
+            return
         surfaces = self.stage.take(frame)
         self._target = target
         self._trace(pace)
@@ -328,9 +342,18 @@ class Renderer:
         """The G-buffer of the first cloth in the last draw."""
         return self.target.part(self.stage.cloths[0]).buffer
 
+    def path_sums(self) -> PathSums:
+        """Of the last picture by method `path`: its samples, light, standard error and noise. Raises InputError for another."""
+        self._check()
+        if not isinstance(self._last, Frame) or self._last.scene.method != "path":
+            raise InputError("path_sums: the last picture was not by method path; render one first")
+        return self._paths.sums()
+
     def covered_pixels(self) -> int:
         """How many pixels of the last draw see cloth."""
         self._check()
+        if isinstance(self._last, Frame) and self._last.scene.method == "path":
+            return int((self._paths.sums().cover > 0).sum())
         return sum(int(self.target.part(cloth).buffer.covered().sum()) for cloth in self.stage.cloths_in_frame)
 
     def method(self, name: MethodName) -> Method:

@@ -154,7 +154,7 @@ class PathTracer:
         """Upload what surfaces reflect and let through."""
         fabrics = [fabric for _, fabric in self._world.cloths]
         ends = np.cumsum([len(mesh.triangles) for mesh, _ in self._world.cloths])
-        rows = np.zeros((len(fabrics), 4, 4), "f4")
+        rows = np.zeros((len(fabrics), 5, 4), "f4")
         stride = 16 * (4 + int(constant("MAX_TANGENTS")))
         records = b""
         for row, fabric, end in zip(rows, fabrics, ends, strict=True):
@@ -164,6 +164,7 @@ class PathTracer:
             if (t := fabric.transmission) is not None:
                 row[1], row[2, :3] = (t.rho, t.k_a, t.k_t, t.diffuse), t.tau
                 row[3] = t.eta_1, t.eta_2, reflection_limit(fabric), 1.0
+            row[4, :3] = row[3, 2] * mean_albedo(fabric)
             records += fabric_records(fabric).ljust(stride, b"\0")
         self._cloth.write(rows)
         self._fabric.write(records)
@@ -183,9 +184,8 @@ class PathTracer:
             **(self._sheer.inputs() if self._sheer is not None else {}),
             **self.sky.inputs(),
             **view.environment,
+            **self.fabric_inputs(),
             "solid_data": self._solid,
-            "cloth_data": self._cloth,
-            "fabric_data": self._fabric,
             "cloth_count": len(world.cloths),
             "cloth_triangles": self._hits.first_triangle[len(world.cloths)],
             "solid_triangles": self._hits.first_triangle[-1] - self._hits.first_triangle[len(world.cloths)],
@@ -198,6 +198,10 @@ class PathTracer:
             "lens_y": tuple(radius * up),
             "focus": view.camera.focus_distance,
         }
+
+    def fabric_inputs(self) -> dict[str, Any]:
+        """What inputs/tracing/path_fabric.glsl reads of the cloths."""
+        return {"cloth_data": self._cloth, "fabric_data": self._fabric}
 
     @property
     def _structure(self) -> Structure:
@@ -248,6 +252,10 @@ class PathTracer:
                     return
             yield progress
 
+    def inputs(self) -> dict[str, Any]:
+        """What passes/picture/path.frag reads."""
+        return {"Sums": self._sums, "size": self._size}
+
     def sums(self) -> PathSums:
         """What the whole samples so far add up to, read from the GPU."""
         width, height = self._size
@@ -269,7 +277,3 @@ class PathTracer:
         if self._triangles is not None:
             self._triangles.release()
 
-
-def first_albedos(world: PathWorld) -> np.ndarray:
-    """The albedo [C, 3] of each cloth in even light."""
-    return np.array([mean_albedo(fabric) for _, fabric in world.cloths])

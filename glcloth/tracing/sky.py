@@ -70,7 +70,7 @@ class Sky:
 
     def inputs(self) -> dict[str, Any]:
         """By their names in GLSL."""
-        return self._inputs | {"sun_data": self._suns, "sun_count": len(self.suns)}
+        return self._inputs | {"sun_data": self._suns, "drawn_suns": len(self.suns)}
 
     def release(self) -> None:
         """Free the GPU's memory."""

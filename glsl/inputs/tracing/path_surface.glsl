@@ -14,7 +14,7 @@ uniform int cloth_count;
 uniform int cloth_triangles;         // of all cloths; the objects' follow
 uniform int solid_triangles;
 
-const int CLOTH_TEXELS = 4;
+const int CLOTH_TEXELS = 5;
 const float OFFSET = 0.02;           // of the triangle's size: how far rays start from it
 const float GROUND_OFFSET = 1e-5;    // of the distance
 

@@ -25,12 +25,13 @@ uniform vec3 lens_x;                // half axes of the lens
 uniform vec3 lens_y;
 uniform float focus;                // along the view
 uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, -)
-uniform int sun_count;
+uniform int drawn_suns;
 
 const int SUM_TEXELS = 3;
 const int STEPS = 24;               // surfaces on a path, those that let it go on straight among them
 const int SURE = 3;                 // vertices before roulette begins
 const float SURVIVAL = 0.95;        // at most
+const float LEAST_REFLECTED = 0.02;  // of the draws at a sheet
 const float DARK = 1e-7;            // of the light is not worth a ray
 
 uvec3 state;
@@ -99,7 +100,7 @@ vec3 lit(Point point, Fabric fabric, vec3 omega_o, vec2 chances, bool of_sun, ve
     float pdf_sky = 0.0, pdf;
     if (of_sun) {
         int s = 0;
-        while (s + 1 < sun_count && choice.x >= texelFetch(sun_data, 2 * s).w) ++s;
+        while (s + 1 < drawn_suns && choice.x >= texelFetch(sun_data, 2 * s).w) ++s;
         d = texelFetch(sun_data, 2 * s).xyz;
         light = texelFetch(sun_data, 2 * s + 1).rgb;
     } else {
@@ -141,7 +142,8 @@ void scatter(inout Path path, Point point, Fabric fabric, vec3 omega_o, vec2 cha
     omega_i.z *= through ? -1.0 : 1.0;
     float pdf;
     vec3 f = scattered(point, fabric, omega_i, omega_o, chances, pdf);
-    path.T *= pdf > 0.0 ? f / pdf : vec3(0.0);
+    // A lobe may reach below the horizon, where only what goes through is drawn.
+    path.T *= pdf > 0.0 && through == omega_i.z < 0.0 ? f / pdf : vec3(0.0);
     path.pdf = pdf;
     path.o = through ? point.behind : point.origin;
     path.d = point.frame * omega_i;
@@ -156,6 +158,42 @@ void roulette(inout Path path) {
     path.T /= max(q, 1e-20);
 }
 
+#ifdef SHEER
+// What a sheet does with light besides reflecting it: straight on, evenly through, mirrored.
+struct Shares {
+    vec3 straight;
+    vec3 evenly;
+    float mirrored;
+    vec4 chances;  // to be reflected, to go evenly through, straight on, to be mirrored
+};
+
+Shares shares_of(Point point, vec3 omega_o) {
+    int first = CLOTH_TEXELS * max(point.cloth, 0);
+    vec4 p = texelFetch(cloth_data, first + 1), q = texelFetch(cloth_data, first + 3);
+    vec3 tau = texelFetch(cloth_data, first + 2).xyz, albedo = texelFetch(cloth_data, first + 4).rgb;
+    if (point.cloth < 0 || q.w == 0.0) return Shares(vec3(0.0), vec3(0.0), 0.0, vec4(1.0, 0.0, 0.0, 0.0));
+    vec3 straight = T_straight(omega_o, p.y, p.z, tau, p.x, p.w), evenly = T_lambert(omega_o, p.z, tau, p.x, p.w);
+    float mirrored = R_limited(R_sheet(omega_o, p.z, p.x, q.x, q.y), straight + evenly, albedo);
+    vec4 chances = vec4(max(most(albedo), LEAST_REFLECTED), most(evenly), most(straight), mirrored);
+    return Shares(straight, evenly, mirrored, chances / dot(chances, vec4(1.0)));
+}
+
+void go_straight(inout Path path, vec3 T, float t) {
+    path.T *= T;
+    path.from = behind_layer(t);
+}
+
+void go_mirrored(inout Path path, Point point, float T) {
+    path.T *= T;
+    path.d = mirrored_direction(path.d, point.frame[2], point.N_g);
+    path.o = point.origin;
+    path.from = 0.0;
+    path.pdf = 0.0;
+    path.seen = false;
+    path.vertices += 1;
+}
+#endif
+
 // One surface on the way.
 void meet(inout Path path, Visit visit, inout Sample one) {
     Point point;
@@ -163,17 +201,39 @@ void meet(inout Path path, Visit visit, inout Sample one) {
     else point = point_at(int(visit.triangle), visit.weights, path.d);
     vec3 omega_o = -path.d * point.frame;
     Fabric fabric = fetch_fabric(max(point.cloth, 0));
-    if (one.cover == 0.0 && path.seen) {
+    if (one.cover == 0.0) {
         one.N = point.frame[2];
-        one.albedo = point.reflectance;
+        one.albedo = point.cloth < 0 ? point.reflectance : texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 4).rgb;
+        one.cover = 1.0;
     }
     vec2 chances = vec2(1.0, 0.0);
-    if (path.seen) one.cover = 1.0;
-    int kind = sun_count > 0 ? 0 : 1;
+#ifdef SHEER
+    Shares shares = shares_of(point, omega_o);
+    chances = shares.chances.xy;
+    bool last = path.vertices >= most_vertices;
+    float pick = rnd().x - chances.x - chances.y;
+    // What nothing may scatter again still goes through sheets.
+    if (last) {
+        go_straight(path, shares.straight, visit.t);
+        path.more = most(path.T) > DARK;
+        return;
+    }
+#else
+    if (path.vertices >= most_vertices) {
+        path.more = false;
+        return;
+    }
+#endif
+    int kind = drawn_suns > 0 ? 0 : 1;
     do {
         one.L += lit(point, fabric, omega_o, chances, kind == 0, path.T);
     } while (++kind < 2);
-    scatter(path, point, fabric, omega_o, chances);
+#ifdef SHEER
+    if (pick >= shares.chances.z) go_mirrored(path, point, shares.mirrored / max(shares.chances.w, 1e-20));
+    else if (pick >= 0.0) go_straight(path, shares.straight / shares.chances.z, visit.t);
+    else
+#endif
+        scatter(path, point, fabric, omega_o, chances);
     roulette(path);
 }
 
@@ -192,11 +252,10 @@ Sample sample_of(ivec2 pixel) {
         traverse(make_ray(path.o, path.d, path.from, 3e38), visit);
         if (visit.triangle == NO_TRIANGLE) {
             one.L += from_sky(path);
+            if (path.seen && steps > 0) one.cover = 1.0 - dot(path.T, vec3(1.0 / 3.0));
             path.more = false;
-        } else if (path.vertices < most_vertices) {
-            meet(path, visit, one);
         } else {
-            path.more = false;
+            meet(path, visit, one);
         }
     } while (path.more && ++steps < STEPS);
     return one;

@@ -1,0 +1,226 @@
+"""Method `path`: what it draws has the density it says, and its pictures are closed forms or those of the reference."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import glcloth
+from glcloth.color import luminance
+from glcloth.errors import InputError
+from glcloth.fabric import load_fabric
+from glcloth.geometry.mesh import Mesh
+from glcloth.geometry.props import Objects
+from glcloth.gpu.buffers import Buffer
+from glcloth.gpu.programs import programs
+from glcloth.light.environment import Environment
+from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.tracing.energy import mean_albedo, reflection_limit
+from glcloth.tracing.path import PathTracer, PathWorld
+from glcloth.tracing.sky import alias_cells, alias_table
+from glcloth.twins.cloth import f_cloth
+from glcloth.twins.sheet import R_limited, R_sheet, T_lambert, T_straight
+
+FABRICS = ["linen", "silk_crepe_de_chine", "satin_charmeuse_front", "satin_charmeuse_back", "silk_shot", "velvet"]
+WHITE = Environment.from_array(np.ones((16, 32, 3)), name="white")
+DRAW = """#version 430
+layout(local_size_x = 64) in;
+#include "inputs/gpu/item.glsl"
+#include "inputs/tracing/path_fabric.glsl"
+layout(std430) buffer Directions { vec4 directions[]; };
+uniform bool draws;
+uniform vec3 omega_o;
+void main() {
+    int i = item();
+    Fabric fabric = fetch_fabric(0);
+    uvec3 hash = hash3(uvec3(uint(i), 5u, 7u));
+    vec3 omega = draws ? drawn_direction(fabric, omega_o, unit_square(hash.zz).x, unit_square(hash.xy)) : directions[i].xyz;
+    float pdf;
+    vec3 f = f_and_pdf(fabric, omega, omega_o, pdf);
+    directions[i] = vec4(omega, pdf);
+}
+"""
+
+
+def plane(size=2.0):
+    """A square of cloth in the plane z = 0."""
+    corners = np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]]) * size / 2
+    return Mesh.from_arrays(corners, [[0, 1, 2], [0, 2, 3]], np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]), name="plane")
+
+
+def slanted(theta, phi=0.5):
+    """A direction above the plane."""
+    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
+
+
+def albedo_of(fabric, omega_o):
+    """What it reflects toward omega_o under even light, [3], by quadrature in z: the model does not vanish at the horizon."""
+    x, w = np.polynomial.legendre.leggauss(100)
+    z, phi = np.repeat((x + 1) / 2, 200), np.tile(2 * np.pi * (np.arange(200) + 0.5) / 200, 100)
+    s = np.sqrt(1 - z * z)
+    f = f_cloth(np.stack([s * np.cos(phi), s * np.sin(phi), z], -1), omega_o[None], *fabric.arrays())
+    return (f * (np.repeat(w / 2, 200) * 2 * np.pi / 200)[:, None]).sum(0)
+
+
+def directions_of(renderer, fabric, omega_o, values, draws):
+    """Directions [N, 3] and their density [N]."""
+    tracer = PathTracer(renderer.ctx)
+    tracer.take(PathWorld(((plane(), fabric),)))
+    buffer = Buffer(renderer.ctx, np.pad(values, ((0, 0), (0, 1))).astype("f4"))
+    program = programs(renderer.ctx).compute("draw", None, {"draw": DRAW})
+    program.run(len(values), tracer.fabric_inputs(), Directions=buffer, draws=draws, omega_o=tuple(omega_o), cloth_count=1)
+    found = np.frombuffer(buffer.read(16 * len(values)), "f4").reshape(-1, 4)
+    return found[:, :3].astype(float), found[:, 3].astype(float)
+
+
+@pytest.mark.parametrize("name", FABRICS)
+def test_drawn_directions_have_their_density(renderer, name):
+    rows, sectors, fine, count = 24, 36, 6, 64 * 2000
+    z = np.repeat(-1 + 2 * (np.arange(rows * fine) + 0.5) / (rows * fine), sectors * fine)
+    phi = np.tile(-np.pi + 2 * np.pi * (np.arange(sectors * fine) + 0.5) / (sectors * fine), rows * fine)
+    s = np.sqrt(1 - z * z)
+    grid = np.stack([s * np.cos(phi), s * np.sin(phi), z], -1)
+    for theta in (0.3, 1.1):
+        omega_o = slanted(theta)
+        fabric = load_fabric(name)
+        # Half of the sphere has a density; what is drawn below the horizon is lost, and of no density.
+        drawn, _ = directions_of(renderer, fabric, omega_o, np.zeros((count, 3)), True)
+        _, density = directions_of(renderer, fabric, omega_o, grid, False)
+        above = drawn[drawn[:, 2] > 1e-3]
+        expected = density.reshape(rows, fine, sectors, fine).sum((1, 3)).ravel() * 4 * np.pi / len(grid) * count
+        place = (np.floor((above[:, 2] + 1) / 2 * rows).clip(0, rows - 1) * sectors).astype(int)
+        place += np.floor((np.arctan2(above[:, 1], above[:, 0]) / np.pi + 1) / 2 * sectors).clip(0, sectors - 1).astype(int)
+        found = np.bincount(place, minlength=rows * sectors)
+        assert abs(found.sum() / expected.sum() - 1) < 0.01
+        # A bin's own quadrature errs by up to some percent where a thread's pole lies in it.
+        many = expected > 20
+        z_score = (found - expected)[many] / np.sqrt(expected[many] + (0.03 * expected[many]) ** 2)
+        assert stats.chi2.sf((z_score**2).sum(), many.sum() - 1) > 1e-4, name
+
+
+def test_cells_are_drawn_as_bright_as_they_are():
+    rng = np.random.default_rng(1)
+    share = rng.random(500) ** 6
+    share /= share.sum()
+    keep, other = alias_table(share)
+    got = np.bincount(other, (1 - keep) / 500, 500) + keep / 500
+    np.testing.assert_allclose(got, share, atol=1e-12)
+    radiance = np.zeros((64, 128, 3), np.float32)
+    radiance[20, 30] = 100.0
+    cells = alias_cells(radiance).reshape(256, 512, 4)
+    solid = 2 * np.pi / 512 * -np.diff(np.cos(np.linspace(0, np.pi, 257)))
+    np.testing.assert_allclose((cells[..., 2] * solid[:, None]).sum(), 1.0, rtol=1e-5)
+    assert cells[80:84, 120:124, 2].min() > 100 * cells[200, :, 2].max() > 0
+
+
+def furnace(renderer, fabric, theta, **changes):
+    """The mean light of a plane of cloth under even light, and its standard error."""
+    view = glcloth.View(eye=tuple(3 * slanted(theta)), target=(0, 0, 0), ortho=0.2)
+    look = {"method": "path", "light": "map", "environment": WHITE, "size": (24, 16), "camera": view, **changes}
+    renderer.render(mesh=plane(), fabric=fabric, **look)
+    sums = renderer.path_sums()
+    return sums.picture[..., :3].mean((0, 1)), np.sqrt((sums.standard_error**2).sum()) / sums.squares.size, sums
+
+
+@pytest.mark.parametrize(("name", "theta"), [("linen", 0.4), ("silk_crepe_de_chine", 1.2), ("satin_charmeuse_front", 0.7)])
+def test_even_light_shows_the_albedo(renderer, name, theta):
+    fabric = load_fabric(name)
+    mean, error, sums = furnace(renderer, fabric, theta, spp=128)
+    expected = albedo_of(fabric, slanted(theta))
+    assert abs(luminance(mean) - luminance(expected)) < 4 * error + 0.004 * luminance(expected)
+    assert error < 0.005 * luminance(expected)
+    # All pixels show the same: their spread is what each says of itself.
+    spread = luminance(sums.picture[..., :3].astype(float)).std()
+    assert 0.85 < spread / np.sqrt((sums.standard_error.astype(float) ** 2).mean()) < 1.15
+
+
+@pytest.mark.parametrize("name", ["sheer_voile", "linen_curtain"])
+def test_even_light_through_a_sheet(renderer, name):
+    fabric, theta = load_fabric(name), 0.6
+    t, omega_o, limit = fabric.transmission, slanted(theta), reflection_limit(fabric)
+    straight = T_straight(omega_o, t.k_a, t.k_t, np.array(t.tau), t.rho, t.diffuse)
+    evenly = T_lambert(omega_o, t.k_t, np.array(t.tau), t.rho, t.diffuse)
+    R = R_limited(R_sheet(omega_o, t.k_t, t.rho, t.eta_1, t.eta_2), straight + evenly, limit * mean_albedo(fabric))
+    expected = straight + evenly + R + limit * albedo_of(fabric, omega_o)
+    mean, error, _ = furnace(renderer, fabric, theta, spp=128)
+    # T_lambert is a fit.
+    np.testing.assert_allclose(mean, expected, atol=4 * error + 0.01 * expected.max())
+    alone, error, sums = furnace(renderer, fabric, theta, spp=64, background=False)
+    np.testing.assert_allclose(alone, expected - straight, atol=4 * error + 0.01 * expected.max())
+    np.testing.assert_allclose(sums.picture[..., 3].mean(), 1 - straight.mean(), atol=0.02)
+
+
+def bowl(rows=24, sectors=48):
+    """The lower half of a sphere, seen from within."""
+    theta, phi = np.pi / 2 * np.arange(1, rows + 1) / rows, 2 * np.pi * np.arange(sectors) / sectors
+    ring = [[np.sin(t) * np.cos(p), -np.cos(t), np.sin(t) * np.sin(p)] for t in theta for p in phi]
+    at = lambda r, s: 1 + r * sectors + s % sectors  # noqa: E731
+    faces = [[0, at(0, s + 1), at(0, s)] for s in range(sectors)]
+    for r in range(rows - 1):
+        for s in range(sectors):
+            a, b, c, d = at(r, s), at(r, s + 1), at(r + 1, s), at(r + 1, s + 1)
+            faces += [[a, b, c], [b, d, c]]
+    return Mesh.from_arrays(np.array([[0.0, -1, 0], *ring]), faces, name="bowl")
+
+
+@pytest.mark.parametrize(("bounce", "expected"), [(True, 0.8 / 1.2), (False, 0.4)])
+def test_a_white_bowl_under_even_light(renderer, bounce, expected):
+    """Every point of it sees half of a sphere of itself and half of the sky: B = rho (B + L) / 2."""
+    mesh = bowl()
+    objects = Objects((mesh,), (np.full((len(mesh.triangles), 3), 0.8),))
+    view = glcloth.View(eye=(0.0, 0.5, 0.0), target=(0.0, -1.0, 0.0), up=(0.0, 0.0, 1.0), fov_deg=50.0)
+    far = Mesh.from_arrays(plane(0.1).positions + [0, -9.0, 0], plane().triangles, name="far")
+    look = {"method": "path", "light": "map", "environment": WHITE, "size": (24, 18), "spp": 64, "bounce": bounce}
+    picture = renderer.render(mesh=far, objects=objects, camera=view, **look)
+    assert renderer.path_sums().cover.min() == 64
+    np.testing.assert_allclose(np.asarray(picture).mean((0, 1)), expected, rtol=0.012)
+
+
+def test_a_sun_on_the_ground_is_exact(renderer):
+    direction = np.array([0.3, 0.8, 0.2]) / np.linalg.norm([0.3, 0.8, 0.2])
+    dark = SphericalGaussians(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3)))
+    lights = Lights(dark, Suns(direction[None], np.array([[2.0, 1.0, 0.5]])))
+    view = glcloth.View(eye=(0.0, 3.0, 0.01), target=(0.0, 0.0, 0.0), fov_deg=40.0)
+    look = {"method": "path", "ground": 0.0, "ground_color": (0.5, 0.5, 0.5), "size": (16, 12), "spp": 4}
+    far = Mesh.from_arrays(plane(0.1).positions + [9.0, 0.1, 0], plane().triangles, name="far")
+    picture = renderer.render(mesh=far, lights=lights, camera=view, **look)
+    expected = 0.5 / np.pi * direction[1] * np.array([2.0, 1.0, 0.5])
+    np.testing.assert_allclose(np.asarray(picture)[4:8, 4:12], np.broadcast_to(expected, (4, 8, 3)), rtol=1e-4)
+
+
+@pytest.mark.parametrize("light", ["sg", "map"])
+def test_one_event_is_the_reference_without_bounce(renderer, light):
+    look = dict(mesh="drape", fabric="silk_crepe_de_chine", env_rotate=60.0, size=(32, 24), bounce=False)
+    look |= dict(light=light, ground="auto", background=False, cube=24, env="studio" if light == "map" else "sky")
+    reference = np.asarray(renderer.render(method="reference", **look), float)
+    frame = renderer.prepare(method="path", spp=128, **look)
+    picture = np.asarray(renderer.render_frame(frame), float)
+    both = (picture[..., 3] > 0.999) & (reference[..., 3] > 0.999)
+    inside = both & np.roll(both, 1, 0) & np.roll(both, -1, 0) & np.roll(both, 1, 1) & np.roll(both, -1, 1)
+    a, b = luminance(picture[..., :3])[inside], luminance(reference[..., :3])[inside]
+    error = np.sqrt((renderer.path_sums().standard_error[inside].astype(float) ** 2).sum()) / inside.sum()
+    assert abs(a.mean() - b.mean()) < 4 * error + 0.01 * b.mean()
+
+
+def test_it_stops_at_the_noise_that_is_asked_for(renderer):
+    look = dict(mesh="drape", method="path", size=(24, 18), light="sg", env="sky")
+    renderer.render(noise=12.0, **look)
+    few = renderer.path_sums()
+    assert few.noise <= 12.0 and few.samples % 4 == 0
+    renderer.render(noise=6.0, **look)
+    assert 2.5 < renderer.path_sums().samples / few.samples < 6.0
+    assert renderer.facts()["samples"] == renderer.path_sums().samples
+    renderer.render(noise=0.001, spp=6, **look)
+    assert renderer.path_sums().samples == 6
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"shadows": "off"}, "shadows off"),
+        ({"ground": "catcher"}, "shows its shadow alone"),
+        ({"aovs": "depth"}, "picture alone"),
+    ],
+)
+def test_what_it_cannot_do(renderer, changes, said):
+    with pytest.raises(InputError, match=said):
+        renderer.render(method="path", size=(16, 12), **changes)
