@@ -9,7 +9,7 @@ from pathlib import Path
 import moderngl
 import numpy as np
 
-from ..accel.triangles import Triangles
+from ..accel.triangles import PADDING, Triangles
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
@@ -21,7 +21,9 @@ from ..tracing.lamp import Lamp, Lighting
 from ..tracing.shot import Shot, TraceSettings
 from ..tracing.tracer import Tracer
 from ..tracing.tree_view import TreeContent, draw_tree
-from .hanging import CurtainSimulation
+from .form_factors import SLICES, Sheet
+from .hanging import CurtainSimulation, pleated_rail
+from .radiosity import Radiosity
 from .room import ROOM, Room, load_room
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
@@ -98,6 +100,8 @@ class CurtainShow:
         self.triangles = Triangles(ctx, room + cloth, max(reach, camera_of(scene).reach))
         self.triangles.set(0, self.room.positions, material=self.room.material + CLOTH + 1)
         self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
+        self._hung = Triangles(ctx, cloth, self.triangles.padding / PADDING)
+        self._radiosity: Radiosity | None = None
         self.tracer = Tracer(ctx)
         self.tracer.set_scene(self.triangles, self.materials)
         self.moved()
@@ -105,9 +109,11 @@ class CurtainShow:
     def moved(self) -> None:
         """Copy the curtain as it hangs now into the soup; the tree is out of date then."""
         s = self.simulation
-        self.triangles.set_grid(
-            len(self.room.positions), s.rows, s.columns, s.position_buffer, s.normal_buffer, s.tangent_buffer, CLOTH
-        )
+        grid = s.rows, s.columns, s.position_buffer, s.normal_buffer, s.tangent_buffer, CLOTH
+        self.triangles.set_grid(len(self.room.positions), *grid)
+        if self.frame == 0:
+            # What light does among the folds is found without wind, so that a frame does not depend on how it was reached.
+            self._hung.set_grid(0, *grid)
         self._built: set[str] = set()
 
     def advance(self, frames: int = 1) -> None:
@@ -167,6 +173,9 @@ class CurtainShow:
         accelerator : another one than the scene's
         """
         accelerator = accelerator or self.scene.accelerator
+        if self.scene.gi == "radiosity":
+            steps = self.radiosity.prepare()
+            yield from track(steps, "light around the room: form factors", SLICES)
         if accelerator not in self._built:
             yield from self.tracer.build_steps(accelerator)
             self._built.add(accelerator)
@@ -182,7 +191,32 @@ class CurtainShow:
     def picture(self) -> np.ndarray:
         """Trace the present frame: float32 [H, W, 3], linear Rec. 709, top row first."""
         self.build()
-        return self.tracer.trace(self.shot())
+        return self.tracer.trace(self.lit(self.shot()))
+
+    @property
+    def radiosity(self) -> Radiosity:
+        """The light around the room, made at first use."""
+        if self._radiosity is None:
+            m, s = self.simulation.parameters, self.simulation
+            z = float(pleated_rail(m, s.columns)[:, 1].mean())
+            sheet = Sheet(-m.width / 2, m.top - m.drop, m.width / 2, m.top, z)
+            self._radiosity = Radiosity(self.ctx, self.room, sheet, self._hung, (s.rows - 1, s.columns - 1))
+        return self._radiosity
+
+    def lit(self, shot: Shot, gi: str | None = None) -> Shot:
+        """A shot of the present frame, whose structure is built, with the light from around the room as the scene says.
+
+        gi : as another scene says
+        """
+        if (gi or self.scene.gi) == "off":
+            return shot
+        for _ in self.radiosity.prepare():
+            pass
+        split = dataclasses.replace(shot, lighting=dataclasses.replace(shot.lighting, ambient=(0.0, 0.0, 0.0)), indirect={})
+        structure, first = self.tracer.structure(shot.settings.accelerator), len(self.room.positions)
+        return dataclasses.replace(
+            split, indirect=self.radiosity.light(split, self.tracer.inputs(split), structure, first)
+        )
 
     def steps(
         self, size: tuple[int, int], spp: int, pixels: Callable[[], int], other: Scene | None = None
@@ -194,7 +228,7 @@ class CurtainShow:
         """
         for _ in self.building((other or self.scene).accelerator):
             pass
-        shot = self.shot(other)
+        shot = self.lit(self.shot(other), other and other.gi)
         settings = dataclasses.replace(shot.settings, spp=spp)
         return self.tracer.steps(dataclasses.replace(shot, size=size, settings=settings), pixels)
 
@@ -237,6 +271,7 @@ class CurtainShow:
         """Free the GPU's memory."""
         self.tracer.release()
         self.triangles.release()
+        (self._radiosity or self._hung).release()
         self.simulation.release()
 
     def __enter__(self) -> CurtainShow:

@@ -189,7 +189,8 @@ class Rays:
         )  # fmt: skip
         for cloth, groups in ((1, COUNTS["CLOTH_GROUPS"]), (0, COUNTS["OTHER_GROUPS"])):
             shade = programs(self.ctx).compute(
-                "passes/tracing/shade.comp", {"CLOTH": cloth, "SPREAD": int(settings.spread)}
+                "passes/tracing/shade.comp",
+                {"CLOTH": cloth, "SPREAD": int(settings.spread), "GI": int(picture.shot.indirect is not None)},
             )
             shade.run_indirect(
                 self._counts, picture.inputs, skip=4 * groups, layers=self._layers, order=self._order, heads=self._heads,

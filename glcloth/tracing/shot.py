@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from ..errors import InputError
 from ..fabric import Fabric, Transmission
@@ -44,6 +45,7 @@ class Shot:
 
     size : width, height in pixels. environment : seen by rays that leave the scene, turned by `env_rotate` degrees.
     offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `settings.spp` points.
+    indirect : inputs of inputs/tracing/indirect.glsl, the light from around the room instead of the lighting's `ambient`.
     """
 
     camera: Camera
@@ -54,6 +56,7 @@ class Shot:
     settings: TraceSettings = TraceSettings()
     env_rotate: float = 0.0
     offsets: tuple[tuple[float, float], ...] | None = None
+    indirect: Mapping[str, Any] | None = None
 
     def __post_init__(self) -> None:
         if self.fabric.transmission is None:

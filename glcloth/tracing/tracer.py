@@ -140,7 +140,7 @@ class Tracer:
         structure = self.structure(shot.settings.accelerator)
         self.statistics = TraceStatistics(build_ms=dict(structure.timings))
         begin = time.perf_counter()
-        inputs = self._inputs(shot) | self._way_inputs(shot)
+        inputs = self.inputs(shot) | self._way_inputs(shot)
         picture = Picture(shot, structure, inputs, self.picture, self.statistics)
         self.picture.write(bytes(16 * width * height))
         done = 0
@@ -162,10 +162,10 @@ class Tracer:
         """Rasterise the scene that was set instead: sorted layers, blended, without shadows, before the lighting's
         background; result as for `trace`."""
         triangles, background = self.triangles, shot.lighting.background
-        cloth, inputs = triangles.materials() == 0, self._inputs(shot)
+        cloth, inputs = triangles.materials() == 0, self.inputs(shot)
         return draw_layers(self.ctx, triangles.positions(), cloth, shot.camera, shot.size, background, inputs)
 
-    def _inputs(self, shot: Shot) -> dict[str, Any]:
+    def inputs(self, shot: Shot) -> dict[str, Any]:
         """The inputs of inputs/tracing/local_light.glsl: surfaces, fabric and light."""
         limit = reflection_limit(shot.fabric)
         self._fabric.prepare(shot.fabric)
@@ -180,18 +180,20 @@ class Tracer:
             "lamp": shot.lighting.lamp.position,
             "intensity": shot.lighting.lamp.intensity,
             "ambient": shot.lighting.ambient,
+            # To the lamp half of the light goes on straight; with light from all around, all but what is scattered.
+            "straight_share": 0.5 if shot.indirect is None else 1.0 - 0.5 * shot.transmission.diffuse,
+            # The scene lies within `scale` of the middle along each axis: this far from any of its points is outside.
+            "beyond": 2 * 3**0.5 * self.triangles.padding / PADDING,
+            "offset": OFF * self.triangles.padding,
+            **(shot.indirect or {}),
         }
 
     def _way_inputs(self, shot: Shot) -> dict[str, Any]:
         """More inputs of the passes of `rays`: where rays begin and end, and the background beyond the scene."""
-        padding = self.triangles.padding
-        scale = padding / PADDING
+        scale = self.triangles.padding / PADDING
         sky = {} if shot.environment is None else {"environment_map": self._environment.texture(shot.environment)}
         return {
             "far": 4.0 * (scale + shot.camera.reach) * 3**0.5,
-            # The scene lies within `scale` of the middle along each axis: this far from any of its points is outside.
-            "beyond": 2 * 3**0.5 * scale,
-            "offset": OFF * padding,
             "cutoff": shot.settings.cutoff,
             "background": shot.lighting.background,
             "environment_from_world": rotation_y(-shot.env_rotate),

@@ -8,6 +8,8 @@
 #include "inputs/tracing/surface_at.glsl"
 #include "inputs/tracing/transmission.glsl"
 
+uniform float straight_share;  // of the yarns' light that passes, what goes on straight to the lamp
+
 const int NOTED_LAYERS = 8;
 
 struct Visit {
@@ -47,7 +49,7 @@ vec3 reckon(Visit visit, Ray ray) {
         Surface s = surface_at(i, hit.yz, -ray.d);
         vec3 omega = vec3(dot(ray.d, s.x), dot(ray.d, cross(s.N, s.x)), dot(ray.d, s.N));
         bool counts = triangle != NO_TRIANGLE && !known;
-        through *= counts ? T_sheet(omega, k_a, 0.5 * k_t, tau, rho) : vec3(1.0);
+        through *= counts ? T_sheet(omega, k_a, straight_share * k_t, tau, rho) : vec3(1.0);
         earlier_t = vec4(latest_t.w, earlier_t.xyz);
         latest_t = vec4(hit.x, latest_t.xyz);
         triangle = lowest(visit.latest, visit.earlier);

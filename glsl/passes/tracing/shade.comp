@@ -8,7 +8,8 @@
 // A ray is (weight, layer): the layer belongs to a head, the origin and direction of a straight way. When `layered`, the
 // head's layers have all been found at once and a transmitted ray is its parent's next layer; otherwise it is a new head.
 // Defines: CLOTH, 1: the rays that hit cloth, 0: the others (passes/tracing/sort.comp parts them). SPREAD, 1: draw the
-// transmitted direction from the lobes instead of going straight on.
+// transmitted direction from the lobes instead of going straight on. GI, 1: light comes from all around the room instead of
+// `ambient`, and what cloth lets through is split as in woven/sheet.glsl: T_straight goes on, T_lambert is scattered.
 #include "trace/shared.glsl"
 #include "trace/intersect.glsl"
 #include "trace/spread.glsl"
@@ -16,6 +17,9 @@
 #include "inputs/tracing/local_light.glsl"
 #include "inputs/accel/ray.glsl"
 #include "inputs/tracing/claim.glsl"
+#if GI == 1
+#include "inputs/tracing/indirect.glsl"
+#endif
 
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
@@ -73,15 +77,29 @@ void main() {
     LampRay l = lamp_ray(p, s);
 #if CLOTH == 0
     vec3 direct = weight.rgb * lamp_light_solid(s, l);
-    vec3 seen = weight.rgb * (met ? even_light(s) : sky(d));
+#if GI == 1
+    vec3 even = s.diffuse * indirect_on_solid(triangle, p) / PI;
+#else
+    vec3 even = even_light(s);
+#endif
+    vec3 seen = weight.rgb * (met ? even : sky(d));
 #else
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = -d * world_from_surface;
     vec3 direct = weight.rgb * lamp_light_cloth(world_from_surface, omega_o, l);
-    vec3 seen = weight.rgb * even_light(s);
+#if GI == 1
+    vec3 even = cloth_albedo * indirect_on_cloth(p, s.N) / PI;
+    vec3 through = T_straight(omega_o, k_a, k_t, tau, rho, diffuse);
+#if SPREAD == 0
+    even += T_lambert(omega_o, k_t, tau, rho, diffuse) * indirect_on_cloth(p, -s.N) / PI;
+#endif
+#else
+    vec3 even = even_light(s);
+    vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
+#endif
+    vec3 seen = weight.rgb * even;
     vec4 from = vec4(o, behind_layer(t));
     vec3 onward = d;
-    vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
 #if SPREAD == 1
     // The seed is made of the ray, not of its place in the queue, which depends on timing.
     uvec3 hash = hash3(uvec3(floatBitsToUint(d.x), floatBitsToUint(d.y), uint(generation_seed)));

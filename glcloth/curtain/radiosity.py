@@ -1,0 +1,315 @@
+"""Light around the room: radiosity of a room that stands still with a curtain that moves, anew every frame.
+
+Fine elements receive, coarse patches send (substructuring, Cohen 1986). The lamp itself stays with the tracer, point by
+point; here is what is smooth: the sky through the openings, what the curtain scatters, and all bounces. Nothing depends
+on earlier frames.   [Goral 1984; Cohen, Greenberg, Immel, Brock 1986, "An efficient radiosity approach"]
+
+    B = S + K B,  S = what senders send of the lamp and the sky,  E = E_sky + F B
+
+Senders are the room's patches and the cells of the curtain as a flat sheet with two sides, which send what `folds` found.
+K is one bounce; (1 - K)^-1 is found once for a fabric, so that a frame needs one product.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cached_property
+from typing import Any
+
+import moderngl
+import numpy as np
+from scipy import sparse
+
+from ..accel.queries import RayQueries
+from ..accel.structure import Structure, make_structure
+from ..accel.triangles import Triangles
+from ..gpu.buffers import TextureBuffer
+from ..gpu.memo import Last
+from ..gpu.programs import programs
+from ..light import equirect
+from ..light.environment import Environment, rotation_y
+from ..light.suns import split_suns
+from ..tracing.shot import Shot
+from .charts import OPEN
+from .folds import Folds, HangingCloth, attenuate
+from .form_factors import AZIMUTHS_DEG, PROXIES, FormFactors, Sheet, factor_steps
+from .room import Room
+
+CELLS = PROXIES[0] * PROXIES[1]
+FOLD_SHARE = 0.25  # of what a side of the curtain sends, what meets its own folds; fitted to path-traced pictures
+LAMP_POINTS = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])  # of an element, in its sides
+CLOTH_SAMPLES = 22  # triangles of a cell of the curtain to which the lamp's rays are cast
+SKY_SIZE = (32, 64)  # the map that the sky is read from: texels as wide as a cell of an opening at least
+
+
+class Radiosity:
+    """The light around one room with one curtain."""
+
+    def __init__(self, ctx: moderngl.Context, room: Room, sheet: Sheet, hung: Triangles, grid: tuple[int, int]):
+        """
+        hung : the curtain alone as it hangs without wind; it is released with this. grid : rows and columns of its quads
+        """
+        self.ctx, self.room = ctx, room
+        self.cloth = HangingCloth(ctx, hung, sheet)
+        self._factors: FormFactors | None = None
+        self._structure: Structure | None = None
+        self._triangles = Triangles.of(ctx, room.positions, 1)
+        self._cell_triangles = _cells_of_grid(*grid)
+        self._buffers: dict[str, TextureBuffer] = {}
+        self._lamp: Last[int] = Last()
+        self._folds: Last[Folds] = Last()
+        self._sky: Last[np.ndarray] = Last()
+        self._system: Last[None] = Last()
+        self._small_map: Last[np.ndarray] = Last()
+
+    # -- once for a room -----------------------------------------------------------------------------------------
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether the form factors are there."""
+        return self._factors is not None
+
+    def prepare(self) -> Iterator[None]:
+        """Find the form factors, if they are not known yet, in steps."""
+        if self._factors is None:
+            for made in factor_steps(self.ctx, self.room.positions, self._room_structure, self.cloth.sheet):
+                if isinstance(made, FormFactors):
+                    self._factors = made
+                    self._upload_static()
+                else:
+                    yield
+
+    @property
+    def factors(self) -> FormFactors:
+        """Of the room; `prepare` finds them."""
+        assert self._factors is not None, "call prepare first"
+        return self._factors
+
+    @property
+    def _room_structure(self) -> Structure:
+        if self._structure is None:
+            self._structure = make_structure(self.ctx, "kdtree")
+            self._structure.build(self._triangles)
+        return self._structure
+
+    @cached_property
+    def _mean(self) -> sparse.csr_array:
+        """[senders, receivers]: the irradiance of patches, by their open elements, and of the curtain's cells."""
+        charts = self.factors.charts
+        N, P = len(charts.positions), len(charts.patches)
+        area = charts.area * np.where(self.factors.openness() >= OPEN, 1.0, 1e-6)
+        weight = area / np.bincount(charts.patch_of, area, P)[charts.patch_of]
+        middle = N + 3 * np.arange(2 * CELLS) + 1
+        rows = np.concatenate([charts.patch_of, P + np.arange(2 * CELLS)])
+        columns = np.concatenate([np.arange(N), middle])
+        values = np.concatenate([weight, np.ones(2 * CELLS)])
+        return sparse.csr_array((values, (rows, columns)), shape=(P + 2 * CELLS, N + 6 * CELLS))
+
+    @cached_property
+    def _exchange(self) -> tuple[np.ndarray, np.ndarray]:
+        """[senders, senders]: irradiance of each by unit exitance of each, past the curtain and through it."""
+        factors = self.factors.factors[: self.factors.light_senders].astype(float)
+        return self._mean @ np.maximum(factors, 0).T, self._mean @ np.maximum(-factors, 0).T
+
+    def _upload_static(self) -> None:
+        f = self.factors
+        source, weight = f.charts.texels(f.openness())
+        self._put("factors", f.factors[: f.light_senders], "r32f")
+        self._put("chart_data", f.charts.records())
+        self._put("chart_of", f.charts.chart_of.astype(np.uint32), "r32ui")
+        self._put("texel_sources", source.astype(np.uint32), "rgba32ui")
+        self._put("texel_weights", weight.astype(np.float32))
+        self._chart_texels = len(source)
+        for name in ("lights", "arrived", "received", "sent", "sources"):
+            self._put(name, 64)
+        self._buffers["light_texels"] = TextureBuffer(self.ctx, 16 * (len(source) + 6 * CELLS))
+
+    def _put(self, name: str, data: Any, format: str = "rgba32f") -> None:
+        if isinstance(data, np.ndarray) and format == "rgba32f" and data.shape[-1] == 3:
+            data = np.concatenate([data, np.zeros((*data.shape[:-1], 1))], -1)
+        if isinstance(data, np.ndarray) and data.dtype == float:
+            data = data.astype(np.float32)
+        if name in self._buffers:
+            self._buffers[name].write(data)
+        else:
+            self._buffers[name] = TextureBuffer(self.ctx, data, format)
+
+    # -- once for a fabric, a lamp, a sky ------------------------------------------------------------------------
+
+    def _lamp_samples(self, shot: Shot) -> int:
+        """Points of elements that the lamp can light past the room, with their light, and the lists of all senders; returns
+        how many points there are. The curtain's samples come behind them."""
+        f, charts = self.factors, self.factors.charts
+        lamp, intensity = np.array(shot.lighting.lamp.position), np.array(shot.lighting.lamp.intensity)
+        points = charts.positions[:, None] + np.einsum("pk,nkc->npc", LAMP_POINTS, np.stack([charts.sides_u, charts.sides_v], 1))
+        element = np.repeat(np.arange(len(charts.positions)), len(LAMP_POINTS))
+        normals = charts.normals[element]
+        points = points.reshape(-1, 3) + 1e-3 * normals
+        d = lamp - points
+        r = np.linalg.norm(d, axis=1)
+        cos = (d * normals).sum(1) / np.maximum(r, 1e-9)
+        lit = np.flatnonzero((cos > 0) & (r > 1e-6))
+        queries = RayQueries(self.ctx)
+        lit = lit[~queries.any_hit(self._room_structure, points[lit], d[lit] / r[lit, None], 0.0, r[lit] - 1e-3)]
+        queries.release()
+        light = intensity * (cos[lit] / r[lit] ** 2)[:, None]
+        weights = self._mean.tocoo()
+        share = np.zeros(len(charts.positions))
+        in_patch = weights.col < len(share)
+        share[weights.col[in_patch]] = weights.data[in_patch]
+        patch = charts.patch_of[element[lit]]
+        order = np.argsort(patch, kind="stable")
+        number = np.bincount(patch, minlength=len(charts.patches))
+        cloth = np.array([len(c) for c in self._cell_triangles])
+        cloth_first = len(lit) + np.concatenate([[0], np.cumsum(cloth)])
+        listed = np.zeros((len(lit) + int(cloth.sum()), 2), np.uint32)
+        listed[: len(lit), 0] = order
+        listed[: len(lit), 1] = (share[element[lit]][order] / len(LAMP_POINTS)).astype(np.float32).view(np.uint32)
+        listed[len(lit) :, 0] = np.arange(len(lit), len(listed))
+        listed[len(lit) :, 1] = np.repeat(1.0 / np.maximum(cloth, 1), cloth).astype(np.float32).view(np.uint32)
+        lists = np.zeros((f.light_senders, 2), np.uint32)
+        lists[: len(number), 0], lists[: len(number), 1] = np.cumsum(number) - number, number
+        lists[len(number) :, 0], lists[len(number) :, 1] = np.tile(cloth_first[:-1], 2), np.tile(cloth, 2)
+        grown = np.zeros((len(listed), 3))
+        grown[: len(lit)] = points[lit]
+        self._put("points", grown)
+        grown[: len(lit)] = light
+        self._put("lights", grown)
+        self._buffers["arrived"].reserve(16 * len(listed))
+        self._put("lists", lists, "rg32ui")
+        self._put("listed", listed, "rg32ui")
+        self._put("chosen", np.zeros(1, np.uint32), "r32ui")
+        return len(lit)
+
+    def _sky_light(self, shot: Shot, folds: Folds) -> np.ndarray:
+        """Irradiance of the receivers by the sky, [R, 3]. Suns are left out: the lamp stands for them."""
+        f = self.factors
+        x, _ = f.receivers
+        out = np.zeros((len(x), 3))
+        if not len(f.openings):
+            return out
+        seen = f.factors[f.light_senders :]
+        turn = rotation_y(-shot.env_rotate)
+        small = None if shot.environment is None else self._small_map.get(lambda: _without_suns(shot.environment), shot.environment)
+        for corners, F in zip(f.openings, seen, strict=True):
+            sees = np.flatnonzero(F)
+            radiance = np.zeros((len(sees), 3))
+            for u, v in ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)):
+                point = corners[0] + u * (corners[1] - corners[0]) + v * (corners[3] - corners[0])
+                d = point - x[sees]
+                d /= np.maximum(np.linalg.norm(d, axis=1, keepdims=True), 1e-12)
+                L = np.array(shot.lighting.background) if small is None else equirect.lookup(small, d @ turn.T)
+                radiance += 0.25 * L * np.where((F[sees] < 0)[:, None], folds.along(d), 1.0)
+            out[sees] += np.pi * np.abs(F[sees])[:, None] * radiance
+        return out
+
+    def _solve_system(self, folds: Folds, sky: np.ndarray) -> None:
+        """(1 - K)^-1, what is sent of the sky, and the shares of the lamp's light that are sent."""
+        f = self.factors
+        P, S = len(f.charts.patches), f.light_senders
+        rho = self.room.reflectances[self.room.material[f.charts.patch_triangle]].astype(float)
+        front, back = P + np.arange(CELLS), P + CELLS + np.arange(CELLS)
+        clear, crossing = self._exchange
+        sky_mean = self._mean @ sky
+        bounces, sky_sent, shares = np.zeros((S, S, 4), np.float32), np.zeros((S, 3)), np.zeros((S, 3))
+        for c in range(3):
+            G = clear + folds.passes[c] * crossing
+            K, sent = np.zeros((S, S)), np.zeros(S)
+            for target, light in ((K, G), (sent, sky_mean[:, c])):
+                target[:P] = (rho[:, c] * light[:P].T).T
+                for k, (own, other) in enumerate(((front, back), (back, front))):
+                    target[own] = folds.reflected[k, c] * light[own] + folds.transmitted[k, c] * light[other]
+            # Column by column for the pass.
+            bounces[..., c] = np.linalg.inv(np.eye(S) - K).T
+            sky_sent[:, c] = sent
+            shares[:P, c], shares[front, c], shares[back, c] = rho[:, c], folds.lamp[0, c], folds.lamp[1, c]
+        self._put("bounces", bounces)
+        self._put("sky", sky_sent)
+        self._put("shares", shares)
+        self._put("sky_light", sky)
+
+    # -- each frame ----------------------------------------------------------------------------------------------
+
+    def light(self, shot: Shot, inputs: dict[str, Any], structure: Structure, first: int) -> dict[str, Any]:
+        """Find the light of a frame: the inputs of inputs/tracing/indirect.glsl.
+
+        inputs : of inputs/tracing/local_light.glsl for this shot, with `beyond` and `offset`. structure : of the room and the
+        curtain as it hangs now. first : the curtain's first triangle there
+        """
+        f, lamp = self.factors, shot.lighting.lamp
+        lit = self._lamp.get(lambda: self._lamp_samples(shot), lamp.position, lamp.intensity)
+        chosen = np.concatenate(self._cell_triangles)
+        fabric = shot.fabric.model_dump_json()
+        folds = self._folds.get(lambda: self.cloth.folds(inputs, chosen), fabric, lamp.position, lamp.intensity)
+        sky = self._sky.get(lambda: self._sky_light(shot, folds), folds, shot.environment, shot.env_rotate)
+        self._system.get(lambda: self._solve_system(folds, sky), folds, sky)
+        self._put("chosen", (first + chosen).astype(np.uint32), "r32ui")
+        b, passes = self._buffers, programs(self.ctx)
+        passes.compute("passes/curtain/lit_cloth.comp").run(
+            len(chosen), inputs, chosen=b["chosen"], Points=b["points"], Lights=b["lights"], chosen_count=len(chosen), first=lit
+        )
+        attenuate(self.ctx, structure, inputs, b["points"], b["lights"], b["arrived"], lit + len(chosen))
+        S, R = f.light_senders, f.factors.shape[1]
+        N, P = len(f.charts.positions), len(f.charts.patches)
+        for name, count in (("sources", S), ("sent", S), ("received", R)):
+            b[name].reserve(16 * count)
+        passes.compute("passes/curtain/sources.comp").run(
+            S, lights=b["arrived"], sky=b["sky"], shares=b["shares"], lists=b["lists"], listed=b["listed"],
+            Sources=b["sources"], sender_count=S,
+        )  # fmt: skip
+        passes.compute("passes/curtain/bounces.comp").run(
+            S, bounces=b["bounces"], sources=b["sources"], Sent=b["sent"], sender_count=S
+        )
+        passes.compute("passes/curtain/gather_light.comp").run(
+            R, factors=b["factors"], sent=b["sent"], sky_light=b["sky_light"], Received=b["received"], receiver_count=R,
+            sender_count=S, passes=tuple(map(float, folds.passes)),
+        )  # fmt: skip
+        texels = self._chart_texels + 6 * CELLS
+        passes.compute("passes/curtain/light_texels.comp").run(
+            texels, received=b["received"], sent=b["sent"], texel_sources=b["texel_sources"],
+            texel_weights=b["texel_weights"], Texels=b["light_texels"], chart_texels=self._chart_texels, texel_count=texels,
+            first_receiver=N, first_cell=P, fold_share=FOLD_SHARE,
+        )  # fmt: skip
+        return self.inputs()
+
+    def inputs(self) -> dict[str, Any]:
+        """The inputs of inputs/tracing/indirect.glsl, as the last frame left them."""
+        s = self.cloth.sheet
+        return {
+            **{name: self._buffers[name] for name in ("chart_of", "chart_data", "light_texels")},
+            "sheet_texels": self._chart_texels,
+            "sheet_place": (s.x_0, s.y_0, 1 / (s.x_1 - s.x_0), 1 / (s.y_1 - s.y_0)),
+            "sheet_cells": PROXIES,
+            "sheet_azimuth": float(np.sin(np.radians(AZIMUTHS_DEG[-1]))),
+        }
+
+    def irradiance(self) -> np.ndarray:
+        """Read back what the receivers got in the last frame, but for the lamp's own light: [R, 3]."""
+        R = self.factors.factors.shape[1]
+        return np.frombuffer(self._buffers["received"].read(16 * R), np.float32).reshape(-1, 4)[:, :3].copy()
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        for thing in (*self._buffers.values(), self.cloth, self._triangles, *([self._structure] if self._structure else [])):
+            thing.release()
+
+
+def _without_suns(environment: Environment) -> np.ndarray:
+    """A small map [32, 64, 3] of an environment without its suns."""
+    height, width = environment.radiance.shape[:2]
+    rest = split_suns(environment.radiance)[1]
+    return equirect.downsample(rest, *SKY_SIZE) if height > SKY_SIZE[0] and width > SKY_SIZE[1] else rest
+
+
+def _cells_of_grid(rows: int, columns: int) -> list[np.ndarray]:
+    """For each cell of the sheet, row by row from below, triangles of a grid of quads (row by row from the top) that lie in
+    it, at most `CLOTH_SAMPLES`, evenly spread."""
+    nx, ny = PROXIES
+    quad = np.arange(rows * columns)
+    cell = (ny - 1 - quad // columns * ny // rows) * nx + quad % columns * nx // columns
+    out = []
+    for k in range(nx * ny):
+        of_cell = np.flatnonzero(np.repeat(cell == k, 2))
+        pick = np.unique(np.linspace(0, len(of_cell) - 1, min(CLOTH_SAMPLES, len(of_cell))).astype(int))
+        out.append(of_cell[pick] if len(of_cell) else of_cell)
+    return out

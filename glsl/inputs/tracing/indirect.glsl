@@ -1,0 +1,46 @@
+// Light that comes from the room, the curtain and the sky, and not straight from the lamp: irradiance, from the texels that
+// glcloth/curtain/radiosity.py makes each frame.
+uniform usamplerBuffer chart_of;       // of each triangle of the room
+uniform samplerBuffer chart_data;      // three texels a chart: (origin, first texel) and twice (gradient, cells)
+uniform samplerBuffer light_texels;    // of the charts, then of the curtain: for front and back, cell by cell, azimuths
+uniform int sheet_texels;              // the first of the curtain's
+uniform vec4 sheet_place;              // its least x and y; 1 / width, 1 / height
+uniform ivec2 sheet_cells;
+uniform float sheet_azimuth;           // sine of the azimuths to either side
+
+vec3 indirect_on_solid(int triangle, vec3 p) {
+    int chart = int(texelFetch(chart_of, triangle).x);
+    vec4 a = texelFetch(chart_data, 3 * chart);
+    vec4 u = texelFetch(chart_data, 3 * chart + 1);
+    vec4 v = texelFetch(chart_data, 3 * chart + 2);
+    vec2 cells = vec2(u.w, v.w);
+    // A rim of one texel lies round the cells.
+    vec2 at = clamp(vec2(dot(p - a.xyz, u.xyz), dot(p - a.xyz, v.xyz)) * cells + 0.5, vec2(0.0), cells + 0.999);
+    ivec2 i = ivec2(at);
+    vec2 f = at - vec2(i);
+    int across = int(u.w) + 2;
+    int k = int(a.w) + i.y * across + i.x;
+    vec3 low = mix(texelFetch(light_texels, k).rgb, texelFetch(light_texels, k + 1).rgb, f.x);
+    vec3 high = mix(texelFetch(light_texels, k + across).rgb, texelFetch(light_texels, k + across + 1).rgb, f.x);
+    return mix(low, high, f.y);
+}
+
+// Of a cell and a side, for the azimuth s (-1 to 1).
+vec3 sheet_light(int cell, float s) {
+    int k = sheet_texels + 3 * cell + 1;
+    return mix(texelFetch(light_texels, k).rgb, texelFetch(light_texels, s < 0.0 ? k - 1 : k + 1).rgb, abs(s));
+}
+
+// On the side of the curtain that N points to.
+vec3 indirect_on_cloth(vec3 p, vec3 N) {
+    float s = clamp(N.x / sheet_azimuth, -1.0, 1.0);
+    vec2 last = vec2(sheet_cells - 1);
+    vec2 at = clamp((p.xy - sheet_place.xy) * sheet_place.zw * vec2(sheet_cells) - 0.5, vec2(0.0), last);
+    ivec2 i = ivec2(at);
+    ivec2 j = min(i + 1, sheet_cells - 1);
+    vec2 f = at - vec2(i);
+    int side = N.z > 0.0 ? 0 : sheet_cells.x * sheet_cells.y;
+    vec3 low = mix(sheet_light(side + i.y * sheet_cells.x + i.x, s), sheet_light(side + i.y * sheet_cells.x + j.x, s), f.x);
+    vec3 high = mix(sheet_light(side + j.y * sheet_cells.x + i.x, s), sheet_light(side + j.y * sheet_cells.x + j.x, s), f.x);
+    return mix(low, high, f.y);
+}
