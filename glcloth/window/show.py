@@ -71,14 +71,18 @@ def _alone(scene: Scene | str | None, changes: dict[str, Any]) -> Scene | None:
 
 def _live(scene: Scene, display: Any) -> LiveView:
     """A live view under the cell."""
-    from IPython.display import HTML
-
     view = LiveView(scene)
     atexit.register(view.close)
     view.wait()
     height = max(scene.size[1] + 60, 460)
-    display(HTML(f'<iframe src="{view.address}" width="100%" height="{height}" style="border:0"></iframe>'))
+    display(_html(f'<iframe src="{view.address}" width="100%" height="{height}" style="border:0"></iframe>'))
     return view
+
+
+def _html(text: str) -> Any:
+    from IPython.display import HTML
+
+    return HTML(text)
 
 
 def _notebook() -> Any:
