@@ -74,15 +74,15 @@ def _live(scene: Scene, display: Any) -> LiveView:
     view = LiveView(scene)
     atexit.register(view.close)
     view.wait()
-    height = max(scene.size[1] + 60, 460)
-    display(_html(f'<iframe src="{view.address}" width="100%" height="{height}" style="border:0"></iframe>'))
+    display(_frame(view.address, max(scene.size[1] + 60, 460)))
     return view
 
 
-def _html(text: str) -> Any:
-    from IPython.display import HTML
+def _frame(address: str, height: int) -> Any:
+    """A page as a cell shows it."""
+    from IPython.display import IFrame
 
-    return HTML(text)
+    return IFrame(address, "100%", height)
 
 
 def _notebook() -> Any:
