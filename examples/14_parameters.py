@@ -1,6 +1,6 @@
-"""Every parameter of a fabric at three values, from afar and 2 cm of it: the pictures of docs/parameters.md.
+"""Parameters of a fabric at three values, from afar and 2 cm of it: the pictures of docs/parameters.md.
 
-python examples/14_parameters.py [out/parameters] [NAME ...]  (a few minutes on two cores; less with names)
+python examples/14_parameters.py [out/parameters] [NAME ... | all]  (three; all take some minutes on two cores)
 """
 
 import io
@@ -140,9 +140,13 @@ def strip(renderer, name):
 
 
 if __name__ == "__main__":
+    names = sys.argv[2:] or ["gamma_s_deg", "draft", "width"]
+    names = list(PARAMETERS) if names == ["all"] else names
+    if unknown := set(names) - set(PARAMETERS):
+        sys.exit(f"{unknown.pop()}: no such parameter; known: {', '.join(PARAMETERS)}")
     folder = Path(sys.argv[1] if len(sys.argv) > 1 else "out/parameters")
     with glcloth.Renderer() as renderer:
-        for name in track(sys.argv[2:] or list(PARAMETERS), "parameters"):
+        for name in track(names, "parameters"):
             buffer = io.BytesIO()
             Image.fromarray(strip(renderer, name)).save(buffer, "jpeg", quality=80, optimize=True)
             output(folder / f"{name}.jpg").write_bytes(buffer.getvalue())

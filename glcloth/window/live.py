@@ -213,7 +213,11 @@ class Live:
         again = self._follow()
         refiner = self.refiner
         # While something is refined, the sender rests; answers to an edit go out at once.
-        changed = refiner.work(BUDGET) if not refiner.idle else False
+        changed = False
+        try:
+            changed = not refiner.idle and refiner.work(BUDGET)
+        except (InputError, ShaderError) as error:  # the last picture stays, and the page says why
+            self._message, again = one_line(error), bool(refiner.sides)
         self._unsent |= changed
         soon = refiner.idle or refiner.previewing or now() - self._sent > EVERY
         if again or (self._unsent and soon):
