@@ -59,3 +59,14 @@ def test_the_guide_shows_every_parameter_of_a_fabric():
     pictures = [DOCS / name for name in re.findall(r"\]\((parameters/\w+\.jpg)\)", text)]
     assert {p.stem for p in pictures} == shown == {p.stem for p in (DOCS / "parameters").iterdir()}
     assert sum(p.stat().st_size for p in pictures) < 1_000_000
+
+
+def test_troubleshooting_quotes_messages_that_there_are():
+    """Quoted messages stand in the source; `...` stands for what is put in there."""
+    source = "\n".join(p.read_text("utf-8") for p in (ROOT / "glcloth").rglob("*.py"))
+    source = re.sub(r"[\"']\s*\n\s*f?[\"']", "", source)
+    quoted = re.findall(r"^\| `([^`]+)`", (DOCS / "troubleshooting.md").read_text("utf-8"), re.M)
+    assert len(quoted) > 15
+    for message in quoted:
+        for part in (part.strip() for part in message.split("...")):
+            assert part in source, f"no message says: {part}"
