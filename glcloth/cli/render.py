@@ -115,6 +115,7 @@ def view(
     host: Annotated[
         str, Parameter(help="With --http: the address to listen on; others than this machine's own let others in.")
     ] = "127.0.0.1",
+    device: Device = None,
     options: SceneOptions | None = None,
 ) -> None:
     """Open the window, or with --http a page in a browser: edit a fabric while it renders.
@@ -130,8 +131,10 @@ def view(
             raise InputError("--watch: belongs to the window; leave it or --http out")
         from ..window.browser import serve
 
-        serve(chosen, http, host)
+        serve(chosen, http, host, device)
         return
+    if device is not None:
+        raise InputError("--device: the window is on the display's own; give --http PORT, or leave it out")
 
     from ..window import view as open_window
 

@@ -194,12 +194,12 @@ class Handler(BaseHTTPRequestHandler):
         self.wfile.write(data)
 
 
-def serve(scene: Scene, port: int, host: str = LOOPBACK) -> None:
+def serve(scene: Scene, port: int, host: str = LOOPBACK, device: int | str | None = None) -> None:
     """Show a scene in browsers until Ctrl-C; the address is printed.
 
     Raises InputError for a curtain, a scene that cannot be shown and a port that is taken, and NoOpenGLError.
     """
-    live = Live(scene)
+    live = Live(scene, device)
     server = Server(live, port, host)
     thread = threading.Thread(target=server.serve_forever, daemon=True)
     thread.start()

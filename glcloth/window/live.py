@@ -53,16 +53,17 @@ class Live:
     Parameters
     ----------
     scene : the first to show
+    device : EGL device, as for Renderer
 
     Raises InputError for a curtain, and for a fabric that cannot be read.
     """
 
-    def __init__(self, scene: Scene):
+    def __init__(self, scene: Scene, device: int | str | None = None):
         if scene.curtain is not None:
             raise InputError(
                 "the curtain moves in the window and in films: glcloth view curtain, glcloth animate curtain"
             )
-        self.session = Session(scene)
+        self.session, self._device = Session(scene), device
         self.session.resolve(scene.fabric)
         self._wishes: queue.Queue[tuple[Future, Callable[[], Any]] | None] = queue.Queue()
         self._news = threading.Condition()
@@ -193,7 +194,7 @@ class Live:
 
     def run(self) -> None:
         """Draw until closed. Raises NoOpenGLError, and InputError when the first scene cannot be shown."""
-        ctx = create_context()
+        ctx = create_context(self._device)
         self.resources = Resources()
         try:
             self.refiner = Refiner(ctx)
