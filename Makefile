@@ -1,5 +1,6 @@
 # make demo   a skirt of shot silk on a dress form, from a bare checkout
 # make test   the tests; says what it skipped and what would change that
+# make docs   the site of the documents, in out/site/index.html
 # make tools  what the window's tests are driven with
 # make lint   style
 SHELL := /bin/bash
@@ -8,7 +9,7 @@ RUN := $(VENV)/bin/
 SYSTEM := libegl1 libgl1 libgl1-mesa-dri
 TOOLS := xvfb xdotool
 
-.PHONY: demo test tools lint equations clean
+.PHONY: demo test docs tools lint equations clean
 
 demo: $(VENV)/.installed
 	$(RUN)glcloth render skirt -o demo.png
@@ -30,6 +31,10 @@ tools:
 lint: $(VENV)/.tests
 	$(RUN)ruff check --fix .
 	$(RUN)ruff format .
+
+docs: $(VENV)/.docs # warnings, such as a broken link, are errors
+	NO_MKDOCS_2_WARNING=1 $(RUN)mkdocs build --strict -q
+	@echo "The site is $(CURDIR)/out/site/index.html"
 
 equations: # equation -> GLSL -> twin
 	@grep -rnoE "\[(Miz|Mat)[^]]*\]" glsl glcloth --include=*.glsl --include=*.py --include=*.comp --include=*.frag | sort -t'[' -k2,2V
@@ -60,4 +65,8 @@ $(VENV)/.installed: pyproject.toml $(VENV)/.system
 
 $(VENV)/.tests: pyproject.toml $(VENV)/.installed
 	$(RUN)python -m pip install -q --disable-pip-version-check -e '.[test]'
+	@touch $@
+
+$(VENV)/.docs: pyproject.toml $(VENV)/.installed
+	$(RUN)python -m pip install -q --disable-pip-version-check -e '.[docs]'
 	@touch $@

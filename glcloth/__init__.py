@@ -34,7 +34,7 @@ _PUBLIC = {
     "save_fabric": "fabric",
     "save_mesh": "geometry.mesh_files",
     "save_scene": "scene",
-    "show": "picture.show",
+    "show": "window.show",
     "tables_for": "methods.paper.tables",
     "tables_report": "methods.paper.tables",
     "write_image": "image",

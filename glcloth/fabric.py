@@ -205,7 +205,9 @@ class Fabric(Value):
     """
 
     name: str = about("", "for people", min_length=1)
-    normalization: Literal["sadeghi", "paper"] = about("", "how W is normalised, above", default="sadeghi")
+    normalization: Literal["sadeghi", "paper"] = about(
+        "", "how W is normalised: as Sadeghi et al., or as paper A printed it", default="sadeghi"
+    )
     sigma_deg: float = about("degrees", "width of shadowing and masking", default=20.0, ge=1.0, le=90.0)
     energy: Literal["given", "limit"] = about(
         "", "limit: dimmed evenly so that it gives back no more light than it gets", default="given"

@@ -56,7 +56,7 @@ def replaced(words, **options):
 def cheap(words):
     """A command of glcloth on a small picture and few frames; None where running it is another test's work."""
     what = words[1]
-    elsewhere = "view", "bench", "drape", "fabrics", "tables", "export", "sweep"
+    elsewhere = "view", "check", "bench", "drape", "fabrics", "tables", "export", "sweep"
     if what in elsewhere or {"--workers", "--cluster", "--resume"} & set(words):
         return None
     small = {}

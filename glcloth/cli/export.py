@@ -15,7 +15,10 @@ def export(
     /,
     *,
     output: Annotated[
-        Path, output_option("File: .zip (maps), .glb (glTF), .mtlx (OpenPBR), .py or .xml (Mitsuba 3's plugin).")
+        Path,
+        output_option(
+            "File: .zip (maps), .glb (glTF), .mtlx (OpenPBR), .u3m or .u3ma (U3M 1.1), .py or .xml (Mitsuba 3's plugin)."
+        ),
     ],
     picture: Annotated[
         Path | None, Parameter(help="Picture to write, .png or .exr: a ball of the original, and of the export.")

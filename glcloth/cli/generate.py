@@ -1,4 +1,4 @@
-"""Files that are made from the fields of a scene: docs/scene.md and the options of the command line.
+"""Files that are made from fields: docs/scene.md, fabric_file.md and lights_file.md, and the options of the command line.
 
 `python -m glcloth.cli.generate` writes them.
 
@@ -10,12 +10,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, get_args
 
+from ..fabric import Fabric, Transmission, Yarn
 from ..fields import Entry, Value, entries
 from ..files import PACKAGE
+from ..light.lights_file import FORMAT
 from ..scene import CURTAIN, CurtainParameters, Scene, View, kind_of
+from ..weave.model import Irregularity, Stripe, Weave
 
-DOCUMENT = PACKAGE.parent / "docs" / "scene.md"
+DOCS = PACKAGE.parent / "docs"
 OPTIONS = PACKAGE / "cli" / "scene_options.py"
+COMMAND = "python -m glcloth.cli.generate"
 
 
 def scene_document() -> str:
@@ -35,6 +39,72 @@ def scene_document() -> str:
         _table("The table `curtain`", entries(CurtainParameters)),
     ]
     return "\n\n".join(parts) + "\n"
+
+
+def fabric_document() -> str:
+    """docs/fabric_file.md: every field of a fabric file."""
+    own = [e for e in entries(Fabric) if e.kind != "table" and e.name != "yarn"]
+    parts = [
+        "# Fabric files",
+        "A fabric is a `.toml` file: a few words about the whole, two `[[yarn]]` blocks, the warp first, and if\n"
+        "you like a `[weave]` and a `[transmission]`. [Every parameter, near and far](parameters.md) shows what\n"
+        "each number does, [your fabric](own_fabric.md) how to begin.",
+        f"Made from the fields in `glcloth/fabric.py` and `glcloth/weave/model.py` by `{COMMAND}`.",
+        _short_table("The whole", own),
+        _short_table("Each `[[yarn]]`", entries(Yarn)),
+        "A yarn has a curve (`curve_angles_deg`, `curve_lengths`, `samples`) or `tangents_deg`. With a `[weave]`\n"
+        'whose `far` is `"weave"` it has neither, nor an `area`: they follow.',
+        _short_table("The table `[weave]`", [e for e in entries(Weave) if e.kind != "table"]),
+        "Pairs are `[warp, weft]`; one number stands for both.",
+        _short_table("The table `[weave.irregularity]`", entries(Irregularity)),
+        _short_table("Each of `warp_stripes`, `weft_stripes`", entries(Stripe)),
+        _short_table("The table `[transmission]`", entries(Transmission)),
+        "`openness` may stand for `rho`, which is 1 - openness; one number of `tau` stands for all three.",
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def lights_document() -> str:
+    """docs/lights_file.md: what a file of lights holds."""
+    return f"""# Lights files
+
+`--lights FILE` takes lights from a `.json` or `.toml` file instead of a fit; `glcloth env MAP` writes
+one. Directions point toward the light, +Y up; colours are linear Rec. 709.
+
+Made by `{COMMAND}`.
+
+| field | what |
+|---|---|
+| `format` | "{FORMAT}" |
+| `note`, `about` | for people; not read |
+| `gaussian` | a list of soft lights |
+| `sun` | a list of suns, may be empty |
+
+## Each `gaussian`
+
+| field | what | values |
+|---|---|---|
+| `axis` | direction of its middle | x, y, z; made a unit vector |
+| `sharpness` | how narrow it is: about 1 is half the sky, 1000 a lamp 4 degrees wide | from 0 |
+| `amplitude` | radiance in its middle | red, green, blue |
+
+The radiance from a direction is the sum of amplitude * exp(sharpness * (direction . axis - 1)).
+
+## Each `sun`
+
+| field | what | values |
+|---|---|---|
+| `direction` | toward it | x, y, z; made a unit vector |
+| `irradiance` | on a surface that faces it | red, green, blue |
+"""
+
+
+def _short_table(title: str, rows: list[Entry]) -> str:
+    lines = [f"## {title}\n", "| field | what | values | default |", "|---|---|---|---|"]
+    for e in rows:
+        default = _said(e.default).replace("|", "\\|") if e.default is not None else ""
+        lines.append(f"| `{e.name}` | {e.help} | {e.values} | {default} |")
+    return "\n".join(lines)
 
 
 def _table(title: str, rows: list[Entry]) -> str:
@@ -100,7 +170,12 @@ def _help(entry: Entry, of: str) -> str:
 
 def files() -> dict[Path, str]:
     """Every file that is written, and its text."""
-    return {DOCUMENT: scene_document(), OPTIONS: scene_options()}
+    return {
+        DOCS / "scene.md": scene_document(),
+        DOCS / "fabric_file.md": fabric_document(),
+        DOCS / "lights_file.md": lights_document(),
+        OPTIONS: scene_options(),
+    }
 
 
 if __name__ == "__main__":

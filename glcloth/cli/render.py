@@ -109,9 +109,16 @@ def view(
         bool,
         Parameter(negative="", help="Reload shaders, fabric, mesh, environment and scene when their files change."),
     ] = False,
+    http: Annotated[
+        int | None, Parameter(help="Serve it to a browser on this port instead, 0: a free one; the address is printed.")
+    ] = None,
+    host: Annotated[
+        str, Parameter(help="With --http: the address to listen on; others than this machine's own let others in.")
+    ] = "127.0.0.1",
+    device: Device = None,
     options: SceneOptions | None = None,
 ) -> None:
-    """Open the window: edit a fabric while it renders.
+    """Open the window, or with --http a page in a browser: edit a fabric while it renders.
 
     Parameters
     ----------
@@ -119,6 +126,15 @@ def view(
         Built-in scene, scene file (.toml), or a picture that glcloth rendered. Default: silk on the built-in cloth.
     """
     chosen = scene_of(scene, options)
+    if http is not None:
+        if watch:
+            raise InputError("--watch: belongs to the window; leave it or --http out")
+        from ..window.browser import serve
+
+        serve(chosen, http, host, device)
+        return
+    if device is not None:
+        raise InputError("--device: the window is on the display's own; give --http PORT, or leave it out")
 
     from ..window import view as open_window
 

@@ -1,4 +1,4 @@
-"""The files of exports: a .zip of maps, a .glb and an .mtlx, each with its distance from the original.   [own]"""
+"""The files of exports but U3M's, each with its distance from the original: .zip of maps, .glb, .mtlx, Mitsuba's.   [own]"""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from .mitsuba_response import MissingMitsubaError, by_mitsuba
 from .models import Fitted, fit_gltf, fit_openpbr
 from .original import Errors, Response, errors
 from .plain import numbers_of
+from .u3m import write_u3m, write_u3ma
 
 CLOTH = 0.2  # metres a side of the piece of cloth in a .glb
 
@@ -319,6 +320,8 @@ WRITERS: dict[str, Callable[[Fabric, Path], tuple[list[Path], Response]]] = {
     ".zip": _zip,
     ".glb": _glb,
     ".mtlx": _mtlx,
+    ".u3m": write_u3m,
+    ".u3ma": write_u3ma,
     ".py": _mitsuba_py,
     ".xml": _mitsuba_xml,
 }

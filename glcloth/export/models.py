@@ -1,6 +1,7 @@
-"""What other renderers offer for cloth, in float64: glTF 2.0's material with its extensions, and OpenPBR's surface.
+"""What other renderers offer for cloth, in float64: glTF 2.0's material with its extensions, OpenPBR's surface, and the
+principled BRDF that U3M names.
 
-Each is one elongated GGX lobe over a diffuse base, glTF's with a sheen on top. Fits find the parameters whose response is
+Each is one elongated GGX lobe over a diffuse base, but OpenPBR's with a sheen on top. Fits find the parameters whose response is
 nearest to a fabric's.   [Khronos 2021, glTF 2.0 appendix B, KHR_materials_specular, anisotropy and sheen; ASWF 2024, OpenPBR 1.1]
 """
 
@@ -13,12 +14,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import least_squares
 
+from ..color import luminance
 from ..fabric import Fabric
 from .original import Response, hemisphere, response
 
 PAIRS = 3000
 GLTF = ("base_r", "base_g", "base_b", "specular_r", "specular_g", "specular_b", "roughness", "stretch",
         "sheen_r", "sheen_g", "sheen_b", "sheen_roughness")  # fmt: skip
+PRINCIPLED = ("base_r", "base_g", "base_b", "specular", "specular_tint", "roughness", "stretch", "sheen", "sheen_tint")
 OPENPBR = ("base_r", "base_g", "base_b", "specular_r", "specular_g", "specular_b", "roughness", "stretch", "ior")
 
 
@@ -52,6 +55,13 @@ def fit_openpbr(fabric: Fabric) -> Fitted:
     first = [0.3, 0.3, 0.3, 0.9, 0.9, 0.9, 0.5, 0.5, 1.5]
     low, high = [0.0] * 6 + [0.1, 0.0, 1.01], [1.0] * 7 + [0.98, 3.0]
     return _fit(fabric, openpbr, OPENPBR, first, low, high)
+
+
+def fit_principled(fabric: Fabric) -> Fitted:
+    """The principled material nearest to a fabric."""
+    first = [0.3, 0.3, 0.3, 0.5, 0.5, 0.5, 0.5, 0.1, 0.5]
+    low, high = [0.0] * 5 + [0.1] + [0.0] * 3, [1.0] * 9
+    return _fit(fabric, principled, PRINCIPLED, first, low, high)
 
 
 def _fit(fabric: Fabric, model: Callable, names: tuple[str, ...], first: list, low: list, high: list) -> Fitted:
@@ -107,6 +117,24 @@ def openpbr(p: np.ndarray, omega_i: np.ndarray, omega_o: np.ndarray) -> np.ndarr
     F = _dielectric(v_h, ior)[..., None]
     E = _ggx_albedo(v, np.sqrt(a_t * max(a_b, 1e-4)), ((ior - 1.0) / (ior + 1.0)) ** 2)
     value = color * F * lobe[..., None] + (1.0 - color.max() * E[..., None]) * base / np.pi
+    return np.where((omega_i[..., 2] > 0.0)[..., None], value * l[..., None], 0.0)
+
+
+def principled(p: np.ndarray, omega_i: np.ndarray, omega_o: np.ndarray) -> np.ndarray:
+    """The principled BRDF's response f cos(theta_i) [..., 3] without metal and coat; p as PRINCIPLED names it, x its
+    tangent. Masking is height-correlated.   [Burley 2012]"""
+    base, rough = p[0:3], p[5]
+    aspect = np.sqrt(1.0 - 0.9 * p[6])
+    l, v = np.maximum(omega_i[..., 2], 0.0), np.maximum(omega_o[..., 2], 0.0)
+    lobe, v_h = _ggx(omega_i, omega_o, max(rough**2 / aspect, 1e-3), max(rough**2 * aspect, 1e-3))
+    tint = base / max(luminance(base), 1e-6)
+    f_0 = 0.08 * p[3] * (1.0 + p[4] * (tint - 1.0))
+    grazing = (1.0 - v_h) ** 5
+    F = f_0 + (1.0 - f_0) * grazing[..., None]
+    f_90 = 0.5 + 2.0 * v_h**2 * rough
+    retro = (1.0 + (f_90 - 1.0) * (1.0 - l) ** 5) * (1.0 + (f_90 - 1.0) * (1.0 - v) ** 5)
+    sheen = p[7] * (1.0 + p[8] * (tint - 1.0)) * grazing[..., None]
+    value = base / np.pi * retro[..., None] + sheen + F * lobe[..., None]
     return np.where((omega_i[..., 2] > 0.0)[..., None], value * l[..., None], 0.0)
 
 

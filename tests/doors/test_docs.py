@@ -16,7 +16,8 @@ from glcloth.picture.sequence import frame_name
 from glcloth.scene import Scene
 
 MAKEFILE = (documents.ROOT / "Makefile").read_text(encoding="utf-8")
-OTHER_PROGRAMS = {"pip", "dask", "openjd", "rattler-build", ".venv/bin/pip"}  # named, and run by tests/measure/docs.py
+# Named, and run by tests/measure/docs.py.
+OTHER_PROGRAMS = {"pip", "apt-get", "dask", "openjd", "rattler-build", ".venv/bin/pip"}
 FILE = re.compile(r"\w\.(toml|wif|glb|ply|obj|exr|hdr|png|json|mp4)$")
 NAMES = [path.name for path in documents.DOCUMENTS]
 

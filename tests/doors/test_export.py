@@ -98,6 +98,74 @@ def test_materialx_finds_no_fault(rough, tmp_path):
         assert (tmp_path / image.getInputValue("file")).is_file()
 
 
+def u3m_images(node):
+    """Every image in a U3M document."""
+    if isinstance(node, dict):
+        if {"path", "dpi"} <= set(node):
+            yield node
+        for value in node.values():
+            yield from u3m_images(value)
+
+
+U3M_FRONT = (
+    "alpha anisotropy_value anisotropy_rotation clearcoat_value clearcoat_normal clearcoat_roughness ior metalness normal "
+    "displacement roughness sheen_value sheen_tint specular_value specular_tint subsurface_radius subsurface_value "
+    "transmission basecolor subsurface_color shader preview"
+)
+
+
+def test_u3m_says_sizes_and_means_of_its_maps(rough, tmp_path):
+    assert run("export", "denim_raw", "-o", tmp_path / "my $ jeans.u3m") == 0
+    document = json.loads((tmp_path / "my $ jeans.u3m").read_text())
+    material = document["material"]
+    assert document["schema"] == "1.1" and material["id"][14] == "4" and material["id"][19] in "89ab"
+    assert sorted(material["front"]) == sorted(U3M_FRONT.split())
+    assert material["physics"]["construction"] == {"type": "Twill", "name": None}
+    images = list(u3m_images(document))
+    assert len(images) == 5
+    for image in images:
+        assert "$" not in image["path"] and " " not in image["path"]
+        map_ = Image.open(tmp_path / image["path"])
+        assert map_.mode == "RGB"
+        assert image["width"] / 25.4 * image["dpi"]["x"] == pytest.approx(map_.width)
+        assert image["height"] / 25.4 * image["dpi"]["y"] == pytest.approx(map_.height)
+    front = material["front"]
+    for name in ("roughness", "alpha", "displacement"):
+        part = front[name]
+        mean = picture((tmp_path / part["texture"]["image"]["path"]).read_bytes()).mean() / 255
+        mean = part["texture"]["offset"] + part["texture"]["factor"] * mean
+        assert mean == pytest.approx(part["constant"], abs=0.01)
+    color = picture((tmp_path / front["basecolor"]["texture"]["image"]["path"]).read_bytes()) / 255
+    constant = [front["basecolor"]["constant"][c] for c in "rgb"]
+    assert np.allclose(srgb_decode(color).mean((0, 1)), srgb_decode(np.array(constant)), rtol=0.05, atol=2e-3)
+    # A repeat of a 3/1 twill: four ends, as wide as their sett says.
+    assert images[0]["height"] == pytest.approx(40 / 26, rel=1e-3) or images[0]["width"] == pytest.approx(
+        40 / 26, rel=1e-3
+    )
+
+
+def test_u3ma_is_the_archive_that_the_format_wants(rough, tmp_path):
+    assert run("export", "lace", "-o", tmp_path / "a.u3ma") == run("export", "velvet", "-o", tmp_path / "b.u3ma") == 0
+    for name, maps in (("a", 5), ("b", 0)):
+        archive = zipfile.ZipFile(tmp_path / f"{name}.u3ma")
+        assert archive.testzip() is None and len(archive.infolist()) == maps + 1
+        for item in archive.infolist():
+            assert (item.create_system, item.flag_bits, item.external_attr, item.extra) == (0, 1 << 11, 0, b"")
+            assert item.extract_version == 0x14
+        images = list(u3m_images(json.loads(archive.read(f"{name}.u3m"))))
+        assert len(images) == maps and {i["path"] for i in images} < set(archive.namelist())
+
+
+def test_the_principled_model_is_reciprocal():
+    p = np.array([0.4, 0.2, 0.1, 0.7, 0.5, 0.3, 0.8, 0.6, 0.4])
+    i, o = original.hemisphere(400, 1), original.hemisphere(400, 2)
+    assert np.allclose(models.principled(p, i, o) / i[:, 2:], models.principled(p, o, i) / o[:, 2:])
+    # Without lobe and sheen, seen and lit from above, it is Lambertian but for the retroreflection: f_90 = 0.5 + 2 r.
+    up = np.array([[0.0, 0.0, 1.0]])
+    p[3] = p[7] = 0.0
+    assert np.allclose(models.principled(p, up, up), p[:3] / np.pi)
+
+
 def test_errors_are_measured(few):
     fabric = load_fabric("linen")
     truth = original.response(fabric)
@@ -107,7 +175,7 @@ def test_errors_are_measured(few):
     satin = load_fabric("satin_charmeuse_front")
     mean = original.response(satin)(original.hemisphere(300, 1), original.hemisphere(300, 2)).mean()
     grey = original.errors(lambda i, o: 2 * mean * i[..., 2:] + 0 * i, satin)
-    for fit in (models.fit_gltf, models.fit_openpbr):
+    for fit in (models.fit_gltf, models.fit_openpbr, models.fit_principled):
         assert original.errors(fit(satin).model, satin).sun[0] < 0.9 * grey.sun[0]
 
 

@@ -35,7 +35,7 @@ def test_a_picture_is_an_array_that_notebooks_show(renderer):
 
 def test_show(renderer, monkeypatch):
     shown = []
-    monkeypatch.setattr("glcloth.picture.show._notebook", lambda: shown.append)
+    monkeypatch.setattr("glcloth.window.show._notebook", lambda: shown.append)
     picture = renderer.render(**FAST)
     glcloth.show(picture)
     assert shown[0] is picture
@@ -43,7 +43,7 @@ def test_show(renderer, monkeypatch):
         glcloth.show(np.zeros((3, 3)))
     with pytest.raises(InputError, match="an array is shown as it is"):
         glcloth.show(picture, spp=2)
-    monkeypatch.setattr("glcloth.picture.show._notebook", lambda: None)
+    monkeypatch.setattr("glcloth.window.show._notebook", lambda: None)
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     if sys.platform.startswith("linux"):
