@@ -96,7 +96,9 @@ def check(*, device: Device = None, json: Json = False) -> None:
     if json:
         tell(True, result)
     elif not faults:
-        show([f"{line}: can be trusted; {len(verdicts)} pictures, means at most {100 * verdicts[worst].mean:.3f} % off"])
+        show(
+            [f"{line}: can be trusted; {len(verdicts)} pictures, means at most {100 * verdicts[worst].mean:.3f} % off"]
+        )
     if faults:
         raise NoOpenGLError(
             f"{line}: not to be trusted, {len(faults)} of {len(verdicts)} pictures fail: {'; '.join(faults)}; "

@@ -110,6 +110,7 @@ def view(
         Parameter(negative="", help="Reload shaders, fabric, mesh, environment and scene when their files change."),
     ] = False,
     options: SceneOptions | None = None,
+    device: Device = None,
 ) -> None:
     """Open the window: edit a fabric while it renders.
 
@@ -122,4 +123,4 @@ def view(
 
     from ..window import view as open_window
 
-    open_window(chosen, watch, scene)
+    open_window(chosen, watch, scene, device)
