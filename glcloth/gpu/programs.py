@@ -90,7 +90,7 @@ class Program:
     """One linked program, with names for all that it reads and writes."""
 
     def __init__(self, path: str, linked, slots: dict[str, Slot], declared: dict[str, str]):
-        self.path, self.linked = path, linked
+        self.path, self.linked, self.slots = path, linked, slots
         self._declared = slots.keys() | declared.keys()
         self._binders: dict[str, Callable[[Any], None]] = {name: _binder(slot) for name, slot in slots.items()}
         for name, kind in declared.items():
