@@ -11,7 +11,7 @@ builder and the tracer. The numbers are in glsl/trace/shared.glsl.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import moderngl
@@ -26,21 +26,24 @@ from .triangles import Triangles
 
 CONSTANTS, _ = shared("trace/shared.glsl")
 SMALL_SIZE = CONSTANTS["MASK_BITS"]  # the most triangles of a small node
+LARGE_REFS = 2 * SMALL_SIZE  # of a large node, about: a first guess
 LONGEST_LEAF = 60_000  # a loop over more triangles could end silently on a software rasteriser
 # Invocations that share a large node: many while the nodes are few, so that every core has work.
-LANE_BYTES = 16 * CONSTANTS["LANE_TEXELS"]
 LANES_OF_ALL, FEWEST_LANES, MOST_LANES = 1024, 16, 128
 LANE_REFS = 0xFFFF  # the most references that a lane can count (glsl/trace/split.glsl side_counts)
-NODES_AT_FIRST, REFS_AT_FIRST = 3.0, 2.5  # for each pair of triangles: a first guess
-# The buffers by their names in the passes (as texture, as block): texels per node, per reference, per reference in a leaf;
-# texel format. Two lists of active nodes change places level by level.
+NODES_AT_FIRST, REFS_AT_FIRST, LEAF_REFS_AT_FIRST = 3.0, 2.5, 3.5  # for each pair of triangles: a first guess
+# The buffers by their names in the passes (as texture, as block): texels per node, per reference, per reference in a leaf, per
+# lane; texel format. Two lists of active nodes change places level by level.
 BUFFERS = {
     "nodes Nodes": ("node", 4, "rgba32ui"), "active_nodes": ("node", 1, "r32ui"), "Active": ("node", 1, "r32ui"),
     "Sizes": ("node", 1, "rg32ui"), "places Places": ("node", 1, "rg32ui"), "tree_nodes TreeNodes": ("node", 1, "rg32ui"),
     "refs Refs": ("ref", 6, "rgba32ui"), "masks Masks": ("ref", 6, "rgba32ui"), "roots Roots": ("ref", 1, "rgba32ui"),
     "leaf_pairs LeafPairs": ("leaf", 1, "r32ui"), "leaf_corners LeafCorners": ("leaf", 4, "rgba32ui"),
-    "lane_data Lanes": ("", 0, "rgba32ui"), "bounds": ("", 0, "r32ui"),
+    "lane_data Lanes": ("lane", CONSTANTS["LANE_TEXELS"], "rgba32ui"),
 }  # fmt: skip
+NODE_GROUP = CONSTANTS["NODE_GROUP"]
+ALL_LEVELS = CONSTANTS["LARGE_LEVELS"] + 1, CONSTANTS["SMALL_LEVELS"] + 1  # of large nodes and of small ones, at most
+NOTHING: Mapping[str, Any] = {}
 
 
 class _TooSmallError(Exception):
@@ -50,8 +53,8 @@ class _TooSmallError(Exception):
 class KdTree:
     """A kd-tree of `Triangles` on the GPU (glcloth/accel/structure.py).
 
-    After `build`: leaf_ref_count counts pairs of triangles; low and high (the root's box); growths, how often a buffer was
-    too small so far.
+    After `build`: leaf_ref_count counts pairs of triangles; low and high (the root's box); growths, how often a buffer or
+    the number of levels was too small so far.
     """
 
     source = "inputs/accel/kdtree.glsl"
@@ -66,7 +69,9 @@ class KdTree:
             buffer = TextureBuffer(ctx, 16, texel)
             self._buffers |= dict.fromkeys(names.split(), buffer)
         self._inputs: dict[str, Any] = {}  # of the passes that build
-        self._capacity = {"node": 0, "ref": 0, "leaf": 0}
+        self._capacity = {"node": 0, "ref": 0, "leaf": 0, "lane": 0}
+        self._levels = ALL_LEVELS  # that the next build dispatches
+        self._pair_count = 0
         self.triangles: Triangles | None = None
         self.timings: dict[str, float] = {}
         self.growths = 0
@@ -90,8 +95,12 @@ class KdTree:
             self._empty()
             return
         self._inputs = self._buffers | triangles.inputs() | {"pairs": pairs, "Counters": self._counters}
+        self._inputs |= {"most_groups": programs(self.ctx).most_groups, "longest_leaf": LONGEST_LEAF}
+        if count != self._pair_count:  # another scene
+            self._pair_count, self._levels = count, ALL_LEVELS
         self._reserve("node", int(NODES_AT_FIRST * count + 256))
         self._reserve("ref", max(int(REFS_AT_FIRST * count + 256), count))
+        self._reserve("leaf", int(LEAF_REFS_AT_FIRST * count + 256))
         while True:
             try:
                 yield from self._attempt(count, triangles.padding)
@@ -100,109 +109,134 @@ class KdTree:
                 self.growths += 1
 
     def _attempt(self, pair_count: int, padding: float) -> Iterator[None]:
-        """One build. Raises _TooSmallError when there was not enough room; there is more then."""
+        """One build, with as many levels as the last one had and one more; the CPU waits once, at the end.
+
+        Raises _TooSmallError when there was not enough room, or levels; there is more then.
+        """
         clock = Stopwatch()
-        counters = np.zeros(CONSTANTS["COUNTERS"], np.uint32)
-        counters[CONSTANTS["NODE_COUNT"]] = 1
-        self._counters.write(counters)
+        refs, level_counts = self._capacity["ref"], self._levels
+        fewest = max(FEWEST_LANES, -(-refs // LANE_REFS))
+        self._reserve("lane", LANES_OF_ALL + fewest * (refs // LARGE_REFS + 1))
+        small = {
+            "small_base": 2 * refs,  # where the references of small nodes begin
+            "node_capacity": self._capacity["node"],
+            "column_nodes": self._begin_counters(max(min(LANES_OF_ALL, MOST_LANES), fewest)),
+        }
         self._run("passes/accel/kdtree_init.comp", pair_count, pair_count=pair_count, padding=padding)
         self._swap_active()
         clock.lap("init")
-        generations = [0, 1]  # where each begins among the nodes
-        self.large_levels = self._split_large(padding, generations)
+        self._split_large(level_counts[0], fewest, padding, small)
         clock.lap("large")
         yield
         clock.resume()
-        small_base = 2 * self._capacity["ref"]  # where the references of small nodes begin
-        # A work group each.
-        masks = "passes/accel/kdtree_masks.comp"
-        self._run(masks, 16 * self.root_count, root_count=self.root_count, small_base=small_base)
-        roots = self._next_level(generations)
+        self._run_counted("passes/accel/kdtree_masks.comp", "MASK_GROUPS", small)
+        self._swap_active()
         clock.lap("masks")
-        self.small_levels = self._split_small(roots, small_base, generations)
+        for level in range(level_counts[1]):
+            self._run_counted("passes/accel/kdtree_small.comp", "SMALL_GROUPS", small, skip=3 * level, level=level)
+            self._swap_active()
         clock.lap("small")
         yield
         clock.resume()
-        self._write_tree(sorted(set(generations)), clock)
+        self._write_tree(level_counts, clock)
         self.timings = clock.ms
 
-    def _split_large(self, padding: float, generations: list[int]) -> int:
-        """Split the large nodes level by level; the number of levels."""
+    def _begin_counters(self, lanes: int) -> int:
+        """Write the counters of a tree that is its root, which `lanes` invocations share; the nodes of a column of work
+        groups of a level of small ones."""
+        most = programs(self.ctx).most_groups
+        counters = np.zeros(CONSTANTS["COUNTERS"], np.uint32)
+        for name, value in {"NODE_COUNT": 1, "ACTIVE_NOW": 1, "LANES_NOW": lanes, "LARGE_USED": 1}.items():
+            counters[CONSTANTS[name]] = value
+        counters[CONSTANTS["GENERATIONS"] + 1] = 1
+        for name, groups in (("LANE_GROUPS", -(-lanes // NODE_GROUP)), ("NODE_GROUPS", 1)):
+            counters[CONSTANTS[name] : CONSTANTS[name] + 3] = groups, 1, 1
+        rows = -(-self._capacity["node"] // (NODE_GROUP * most))
+        at = CONSTANTS["SMALL_GROUPS"]
+        counters[at:].reshape(-1, 3)[:, 1:] = rows, 1
+        self._counters.write(counters)
+        return rows * NODE_GROUP
+
+    def _split_large(self, levels: int, fewest: int, padding: float, small: dict[str, int]) -> None:
+        """Split the large nodes level by level."""
         refs = self._capacity["ref"]
-        fewest = max(FEWEST_LANES, -(-refs // LANE_REFS))
-        active, level = 1, 0
-        while active:
-            lanes = max(min(LANES_OF_ALL >> (active - 1).bit_length(), MOST_LANES), fewest)
-            self._buffers["Lanes"].reserve(LANE_BYTES * lanes * active)
-            shares = {"active_count": active, "lanes": lanes}
-            self._run("passes/accel/kdtree_measure.comp", active * lanes, **shares)
+        for level in range(levels):
+            self._run_counted("passes/accel/kdtree_measure.comp", "LANE_GROUPS")
             if level == 0:
                 # Where the middle is, is known only now.
-                self._run("passes/accel/kdtree_root.comp", 1, lanes=lanes)
-                self._run("passes/accel/kdtree_measure.comp", active * lanes, **shares)
-            self._run(
-                "passes/accel/kdtree_divide.comp", active, level=level, small_size=SMALL_SIZE,
-                node_capacity=self._capacity["node"], ref_capacity=refs, next_base=refs * ((level + 1) % 2),
-                small_base=2 * refs, spatial_median=self.spatial_median, **shares,
+                self._run("passes/accel/kdtree_root.comp", 1)
+                self._run_counted("passes/accel/kdtree_measure.comp", "LANE_GROUPS")
+            self._run_counted(
+                "passes/accel/kdtree_divide.comp", "NODE_GROUPS", small, level=level, small_size=SMALL_SIZE,
+                ref_capacity=refs, next_base=refs * ((level + 1) % 2), spatial_median=self.spatial_median,
             )  # fmt: skip
-            self._run("passes/accel/kdtree_scatter.comp", active * lanes, padding=padding, **shares)
-            active, level = self._next_level(generations), level + 1
-        return level
-
-    def _split_small(self, active: int, small_base: int, generations: list[int]) -> int:
-        """Split the small nodes level by level; the number of levels."""
-        level = 0
-        while active:
+            self._run_counted("passes/accel/kdtree_scatter.comp", "LANE_GROUPS", padding=padding)
             self._run(
-                "passes/accel/kdtree_small.comp", active, active_count=active, level=level, small_base=small_base,
-                node_capacity=self._capacity["node"],
+                "passes/accel/kdtree_level.comp", 1, level=level + 1, lanes_of_all=LANES_OF_ALL, fewest_lanes=fewest,
+                most_lanes=MOST_LANES, lane_capacity=self._capacity["lane"],
             )  # fmt: skip
-            active, level = self._next_level(generations), level + 1
-        return level
-
-    def _next_level(self, generations: list[int]) -> int:
-        """Note the nodes that a level made, and go on to them; returns how many are active.
-
-        Raises _TooSmallError, and InputError for too many triangles that no plane parts.
-        """
-        counters = np.frombuffer(self._counters.read(), np.uint32)
-        needs = int(counters[CONSTANTS["NEED_NODES"]]), int(counters[CONSTANTS["NEED_REFS"]])
-        if any(needs):
-            for unit, need in zip(("node", "ref"), needs, strict=True):
-                self._reserve(unit, need, spare=need // 2)
-            raise _TooSmallError
-        longest = int(counters[CONSTANTS["LONGEST_LEAF_COUNT"]])
-        if longest > LONGEST_LEAF:
-            raise InputError(
-                f"kd-tree: {longest} triangles lie upon each other, expected at most {LONGEST_LEAF}; are they copies?"
-            )
-        generations.append(int(counters[CONSTANTS["NODE_COUNT"]]))
-        self.root_count = int(counters[CONSTANTS["ROOT_COUNT"]])
-        at = CONSTANTS["ACTIVE_COUNT"]
-        assert CONSTANTS["NEXT_REF_COUNT"] == at + 1
-        self._counters.write(bytes(8), offset=4 * at)
-        self._swap_active()
-        return int(counters[at])
+            self._swap_active()
 
     def _swap_active(self) -> None:
         """Let the two lists of active nodes change places."""
         names = self._inputs
         names["active_nodes"], names["Active"] = names["Active"], names["active_nodes"]
 
-    def _write_tree(self, generations: list[int], clock: Stopwatch) -> None:
-        """Write the nodes in preorder, and the triangles of the leaves."""
-        self.node_count = generations[-1]
-        self._buffers["bounds"].write(np.array(generations, np.uint32))
-        self._run("passes/accel/kdtree_order.comp", 1, generation_count=len(generations) - 1)
-        counted = self._counters.read(4, offset=4 * CONSTANTS["LEAF_REF_COUNT"])
-        self.leaf_ref_count = int(np.frombuffer(counted, np.uint32)[0])
+    def _write_tree(self, levels: tuple[int, int], clock: Stopwatch) -> None:
+        """Write the nodes in preorder, and the triangles of the leaves; then see how it went.
+
+        Raises _TooSmallError, and InputError for too many triangles that no plane parts.
+        """
+        self._run(
+            "passes/accel/kdtree_order.comp", 1, large_levels=levels[0], small_levels=levels[1],
+            leaf_capacity=self._capacity["leaf"],
+        )  # fmt: skip
         clock.lap("order")
-        self._reserve("leaf", self.leaf_ref_count)
-        self._run("passes/accel/kdtree_emit.comp", self.node_count, node_count=self.node_count)
-        self._run("passes/accel/kdtree_leaves.comp", self.leaf_ref_count, leaf_ref_count=self.leaf_ref_count)
-        root = np.frombuffer(self._buffers["nodes"].read(32), np.float32)
-        self.low, self.high = root[:3].copy(), root[4:7].copy()
+        self._emit()
+        counters = np.frombuffer(self._counters.read(), np.uint32)
+        self._check(counters, levels)
+        leaf_refs = int(counters[CONSTANTS["NEED_LEAF_REFS"]])
+        if leaf_refs:
+            self._reserve("leaf", leaf_refs, spare=leaf_refs // 4)
+            for name, items in (("EMIT_GROUPS", counters[CONSTANTS["NODE_COUNT"]]), ("LEAF_GROUPS", leaf_refs)):
+                groups = -(-int(items) // NODE_GROUP)
+                rows = -(-groups // programs(self.ctx).most_groups)
+                self._counters.write(np.array([-(-groups // rows), rows, 1], np.uint32), offset=4 * CONSTANTS[name])
+            self._emit()
+        self._note(counters)
         clock.lap("emit")
+
+    def _emit(self) -> None:
+        self._run_counted("passes/accel/kdtree_emit.comp", "EMIT_GROUPS")
+        self._run_counted("passes/accel/kdtree_leaves.comp", "LEAF_GROUPS")
+
+    def _check(self, counters: np.ndarray, levels: tuple[int, int]) -> None:
+        """Raise _TooSmallError where a buffer was too small or levels too few, InputError for too long a leaf."""
+        needs = {unit: int(counters[CONSTANTS[f"NEED_{unit.upper()}S"]]) for unit in ("node", "ref", "lane")}
+        longest = int(counters[CONSTANTS["LONGEST_LEAF_COUNT"]])
+        if not any(needs.values()) and longest > LONGEST_LEAF:
+            raise InputError(
+                f"kd-tree: {longest} triangles lie upon each other, expected at most {LONGEST_LEAF}; are they copies?"
+            )
+        for unit, need in needs.items():
+            self._reserve(unit, need, spare=need // 2)
+        active = counters[CONSTANTS["ACTIVE_NOW"]], counters[CONSTANTS["SMALL_ACTIVE"] + levels[1]]
+        if any(active):
+            self._levels = ALL_LEVELS
+        if any(needs.values()) or any(active):
+            raise _TooSmallError
+
+    def _note(self, counters: np.ndarray) -> None:
+        """Keep what is to be known of a finished tree."""
+        self.node_count, self.root_count, self.leaf_ref_count, self.large_levels = (
+            int(counters[CONSTANTS[name]]) for name in ("NODE_COUNT", "ROOT_COUNT", "LEAF_REF_COUNT", "LARGE_USED")
+        )
+        at = CONSTANTS["SMALL_ACTIVE"]
+        self.small_levels = int(np.count_nonzero(counters[at : at + ALL_LEVELS[1]]))
+        spared = (self.large_levels + 1, max(self.small_levels, 1) + 1)
+        self._levels = min(spared[0], ALL_LEVELS[0]), min(spared[1], ALL_LEVELS[1])
+        box = counters[CONSTANTS["ROOT_BOX"] :][:6].view(np.float32)
+        self.low, self.high = box[:3].copy(), box[3:].copy()
 
     def _empty(self) -> None:
         """The tree of no triangles: one leaf without any."""
@@ -212,7 +246,7 @@ class KdTree:
         self.timings = {}
 
     def _reserve(self, unit: str, need: int, spare: int = 0) -> None:
-        """Make room for `need` nodes, references or references in leaves; where it grows, for `spare` more."""
+        """Make room for `need` nodes, references, references in leaves or lanes; where it grows, for `spare` more."""
         if need <= self._capacity[unit]:
             return
         self._capacity[unit] = max(need + spare, 64)
@@ -223,6 +257,13 @@ class KdTree:
 
     def _run(self, path: str, items: int, **own: Any) -> None:
         programs(self.ctx).compute(path).run(items, self._inputs, **own)
+
+    def _run_counted(
+        self, path: str, groups: str, more: Mapping[str, Any] = NOTHING, skip: int = 0, **own: Any
+    ) -> None:
+        """Run a pass for as many work groups as the counters say from a name and `skip` numbers on."""
+        where = 4 * (CONSTANTS[groups] + skip)
+        programs(self.ctx).compute(path).run_indirect(self._counters, self._inputs, more, skip=where, **own)
 
     # -- tracing and looking -------------------------------------------------------------------------------------
 

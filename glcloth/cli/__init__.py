@@ -31,7 +31,23 @@ GLCLOTH_CACHE names the folder for fits and tables made on this machine (`glclot
 """
 app = App(name="glcloth", help=ABOUT, version=__version__, help_format="plaintext", suppress_keyboard_interrupt=False)
 
-for _command in (render, animate, sweep, view, tables, env, weave, fabrics, export, samples, drape, diff, info, check, bench):
+for _command in (
+    render,
+    animate,
+    sweep,
+    view,
+    tables,
+    env,
+    weave,
+    fabrics,
+    export,
+    samples,
+    drape,
+    diff,
+    info,
+    check,
+    bench,
+):
     app.command(_command)
 
 

@@ -11,7 +11,8 @@ from ..progress import say
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object on stdout.")]
 Device = Annotated[
-    str | None, Parameter(help="Number of an EGL device or a part of its name, such as llvmpipe; `glcloth info` lists them.")
+    str | None,
+    Parameter(help="Number of an EGL device or a part of its name, such as llvmpipe; `glcloth info` lists them."),
 ]
 
 

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -96,12 +99,38 @@ def check(*, device: Device = None, json: Json = False) -> None:
     if json:
         tell(True, result)
     elif not faults:
-        show([f"{line}: can be trusted; {len(verdicts)} pictures, means at most {100 * verdicts[worst].mean:.3f} % off"])
+        show(
+            [f"{line}: can be trusted; {len(verdicts)} pictures, means at most {100 * verdicts[worst].mean:.3f} % off"]
+        )
     if faults:
         raise NoOpenGLError(
             f"{line}: not to be trusted, {len(faults)} of {len(verdicts)} pictures fail: {'; '.join(faults)}; "
             "renew the driver, or choose another --device"
         )
+
+
+CpuThreads = Annotated[
+    int | None,
+    Parameter(
+        name="--cpu-threads",
+        help="Threads of Mesa's software renderer and of numerical libraries; default: as LP_NUM_THREADS and these choose.",
+    ),
+]
+
+
+@contextmanager
+def _on_threads(count: int | None) -> Iterator[None]:
+    """Within, and before the first context is made, so many threads draw and reckon."""
+    if count is None:
+        yield
+        return
+    if not 1 <= count <= 256:
+        raise InputError(f"--cpu-threads {count}: expected 1 to 256")
+    from threadpoolctl import threadpool_limits
+
+    os.environ["LP_NUM_THREADS"] = str(count)
+    with threadpool_limits(count):
+        yield
 
 
 bench = App(name="bench", help="Measure on the built-in scenes.", help_format="plaintext")
@@ -114,6 +143,7 @@ def bench_cloth(
     methods: Annotated[str, Parameter(help="Comma-separated: direct, paper, reference.")] = "direct,paper,reference",
     options: SceneOptions | None = None,
     device: Device = None,
+    cpu_threads: CpuThreads = None,
     json: Json = False,
 ) -> None:
     """Frame times of the environment-lit methods in one run."""
@@ -121,7 +151,9 @@ def bench_cloth(
 
     from ..bench import cloth as measure
 
-    result = measure.cloth(scene, [m.strip() for m in methods.split(",")], frames, device)
+    with _on_threads(cpu_threads):
+        result = measure.cloth(scene, [m.strip() for m in methods.split(",")], frames, device)
+    result["cpu_threads"] = cpu_threads
     tell(json, result, *measure.cloth_table(result).splitlines())
 
 
@@ -130,6 +162,7 @@ def bench_tables(
     *fabrics: str,
     grid: Annotated[int, Parameter(help="Directions per axis.")] = 48,
     contribution: Annotated[float, Parameter(help="Share of the sum of singular values to keep.")] = 0.9,
+    cpu_threads: CpuThreads = None,
     json: Json = False,
 ) -> None:
     """Seconds, bytes and ranks of the paper method's tables, made afresh.
@@ -141,7 +174,8 @@ def bench_tables(
     """
     from ..methods.paper.tables import bench as measure
 
-    result, lines = measure(fabrics, grid, contribution)
+    with _on_threads(cpu_threads):
+        result, lines = measure(fabrics, grid, contribution)
     tell(json, result, *lines.splitlines())
 
 
@@ -152,6 +186,7 @@ def bench_curtain(
     triangles: Annotated[int, Parameter(help="About how many triangles, room and curtain together.")] = 12786,
     options: SceneOptions | None = None,
     device: Device = None,
+    cpu_threads: CpuThreads = None,
     json: Json = False,
 ) -> None:
     """Simulation, build and trace of the moving curtain, 320x320 unless --size says otherwise."""
@@ -161,7 +196,8 @@ def bench_curtain(
     from ..bench.curtain import bench_curtain as measure
     from ..gpu.context import create_context
 
-    result = measure(create_context(device), scene, frames, triangles)
+    with _on_threads(cpu_threads):
+        result = measure(create_context(device), scene, frames, triangles) | {"cpu_threads": cpu_threads}
     keys = ("triangles", "rays", "nodes", "sim_ms", "build_ms", "trace_ms", "frame_ms", "cpu_ms", "fps")
     keys += ("primary_rays_per_second",)
     tell(json, result, "  ".join(f"{key} {result[key]}" for key in keys if key in result))

@@ -117,6 +117,7 @@ def view(
     ] = "127.0.0.1",
     device: Device = None,
     options: SceneOptions | None = None,
+    device: Device = None,
 ) -> None:
     """Open the window, or with --http a page in a browser: edit a fabric while it renders.
 
@@ -138,4 +139,4 @@ def view(
 
     from ..window import view as open_window
 
-    open_window(chosen, watch, scene)
+    open_window(chosen, watch, scene, device)

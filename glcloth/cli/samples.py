@@ -123,7 +123,9 @@ def _map(path: Path) -> None:
     write_image(path, load_environment("studio").radiance, half=True)
 
 
-def _poses(folder: Path, count: int, wind: float, device: int | str | None) -> Iterator[tuple[Path, Callable[[Path], None]]]:
+def _poses(
+    folder: Path, count: int, wind: float, device: int | str | None
+) -> Iterator[tuple[Path, Callable[[Path], None]]]:
     """Each pose's file and what writes it; the cloth is moved where a file is missing only."""
     from ..geometry.mesh_files import save_mesh
     from ..gpu.context import create_context

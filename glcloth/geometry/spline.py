@@ -6,7 +6,6 @@ import io
 from pathlib import Path
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from .mesh import Mesh, build_mesh
 from .shapes import grid_triangles
@@ -38,6 +37,8 @@ def surface_mesh(name: str, positions: np.ndarray, size: tuple[float, float], ro
 
 def spline(count: int, samples: int) -> tuple[np.ndarray, np.ndarray]:
     """Return [samples, count] weights of a clamped uniform cubic B-spline's value and slope, evenly over its length."""
+    from scipy.interpolate import BSpline  # a quarter of a second of its own
+
     knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, count - 2), [1.0] * 3])
     basis = BSpline(knots, np.eye(count), 3)
     # The flat cloth's own coordinate is the spline of its vertices; invert it so that samples are even in cloth.

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse import csgraph
 
 from .coincident import all_differ, distinct
 from .faces import dot, gathered
@@ -54,6 +52,9 @@ def _against_neighbours(corners: np.ndarray, area: np.ndarray) -> np.ndarray:
     opposed = start[pair[:, 0]] == start[pair[:, 1]]
     if not opposed.any():
         return none
+    from scipy import sparse
+    from scipy.sparse import csgraph  # a fifth of a second of its own; most meshes are consistent
+
     # Node t is triangle t as it is, node count + t the same turned over: edges join those that agree.
     rows = np.concatenate([a, a + count])
     columns = np.concatenate([np.where(opposed, b + count, b), np.where(opposed, b, b + count)])
@@ -71,6 +72,9 @@ def _against_neighbours(corners: np.ndarray, area: np.ndarray) -> np.ndarray:
 
 def _along_a_tree(one_sided: np.ndarray, a: np.ndarray, b: np.ndarray, opposed: np.ndarray) -> np.ndarray:
     """Which triangles [T] to turn in surfaces with one side only (a Moebius strip): all agree but over one cut."""
+    from scipy import sparse
+    from scipy.sparse import csgraph
+
     count = len(one_sided)
     value = np.where(opposed, 2, 1).astype(np.int8)
     graph = sparse.coo_array((value, (a, b)), shape=(count, count)).tocsr()

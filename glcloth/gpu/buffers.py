@@ -9,6 +9,7 @@ import numpy as np
 from OpenGL import GL
 
 from .context_local import of_context
+from .tally import Tally
 
 # texel format: (OpenGL internal format, bytes per texel)
 _FORMATS = {
@@ -90,7 +91,7 @@ class Staging:
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
         self._copy: moderngl.Buffer | None = None
-        self.reads = self.bytes = 0  # what the CPU has waited for so far
+        self._tally = of_context(Tally, ctx)
 
     def read(self, buffer: moderngl.Buffer, size: int, offset: int) -> bytes:
         """Return `size` bytes of a buffer from byte `offset` on."""
@@ -99,8 +100,15 @@ class Staging:
                 self._copy.release()
             self._copy = self.ctx.buffer(reserve=max(size, 1 << 16), dynamic=True)
         self.ctx.copy_buffer(self._copy, buffer, size, read_offset=offset)
-        self.reads, self.bytes = self.reads + 1, self.bytes + size
+        self._tally.read(size)
         return self._copy.read(size)
+
+
+def read_texture(texture: moderngl.Texture) -> bytes:
+    """The content of a texture, rows from below, and counted: the CPU waits for it."""
+    data = texture.read()
+    of_context(Tally, texture.ctx).read(len(data))
+    return data
 
 
 class _Units:

@@ -159,10 +159,37 @@ def _no_such_device(device: int | str, tried: list[str]) -> Exception:
     return _failure(tried or [f"--device {device}: none works"])
 
 
+def ask_display_for(device: int | str) -> str:
+    """Have the windows that this process opens from now on drawn by a device, where its driver lets a program choose:
+    Mesa's software, and NVIDIA's beside another GPU. Elsewhere the display chooses.
+
+    device : as for `create_context`
+
+    Returns the name of its renderer, which the window's must have. Raises as `create_context`.
+    """
+    check_process()
+    index = _index(device)
+    found = [known.renderer for known in list_devices() if known.index == index]
+    if not found:
+        raise _no_such_device(device, [])
+    if _is_software_name(found[0]):
+        os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
+    elif "nvidia" in found[0].lower():
+        os.environ |= {"__NV_PRIME_RENDER_OFFLOAD": "1", "__GLX_VENDOR_LIBRARY_NAME": "nvidia"}
+    from OpenGL import EGL  # windows alone need it
+
+    # The last context that was looked at is still current; X refuses the window's beside it.
+    EGL.eglReleaseThread()
+    return found[0]
+
+
 def is_software(ctx: moderngl.Context) -> bool:
     """True on a software rasteriser (llvmpipe, softpipe, SwiftShader)."""
-    name = ctx.info["GL_RENDERER"].lower()
-    return any(word in name for word in ("llvmpipe", "softpipe", "swiftshader", "swrast"))
+    return _is_software_name(ctx.info["GL_RENDERER"])
+
+
+def _is_software_name(renderer: str) -> bool:
+    return any(word in renderer.lower() for word in ("llvmpipe", "softpipe", "swiftshader", "swrast"))
 
 
 def _try(index: int, tried: list[str], what: str | None = None) -> moderngl.Context | None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
-from .buffers import TextureBuffer
+from .buffers import TextureBuffer, read_texture
 from .memo import Last
 from .programs import Draw, Inputs, programs
 from .screen import Blend, draw_screen
@@ -268,12 +268,12 @@ class GBuffer:
 
     def read(self) -> np.ndarray:
         """The shaded picture, float32 [H, W, 4], top row first; alpha 1 where covered."""
-        data = np.frombuffer(self.color.read(), "f4").reshape(self.size[1], self.size[0], 4)
+        data = np.frombuffer(read_texture(self.color), "f4").reshape(self.size[1], self.size[0], 4)
         return data[::-1].copy()
 
     def covered(self) -> np.ndarray:
         """bool [H, W], top row first: which pixels see the mesh."""
-        data = np.frombuffer(self.frame("frame_N").read(), "f4").reshape(self.size[1], self.size[0], 4)
+        data = np.frombuffer(read_texture(self.frame("frame_N")), "f4").reshape(self.size[1], self.size[0], 4)
         return data[::-1, :, 3] != 0.0
 
     def release(self) -> None:

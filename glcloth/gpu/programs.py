@@ -7,6 +7,7 @@ Samplers, images and uniforms go by their own name, storage blocks by the name o
 
 from __future__ import annotations
 
+import math
 import re
 import struct
 from collections.abc import Callable, Iterator, Mapping
@@ -21,6 +22,7 @@ from ..errors import ShaderError
 from .buffers import Buffer, TextureBuffer
 from .context_local import of_context
 from .shader import Where, explain, flatten
+from .tally import Tally
 
 Inputs = Mapping[str, Any]
 ITEM = "inputs/gpu/item.glsl"  # by which a pass tells its invocations apart, however they are laid out
@@ -88,7 +90,7 @@ class Program:
     """One linked program, with names for all that it reads and writes."""
 
     def __init__(self, path: str, linked, slots: dict[str, Slot], declared: dict[str, str]):
-        self.path, self.linked = path, linked
+        self.path, self.linked, self.slots = path, linked, slots
         self._declared = slots.keys() | declared.keys()
         self._binders: dict[str, Callable[[Any], None]] = {name: _binder(slot) for name, slot in slots.items()}
         for name, kind in declared.items():
@@ -165,7 +167,7 @@ class Compute(Program):
         self, owner: Programs, path: str, linked, slots: dict[str, Slot], declared: dict[str, str], rows: bool
     ):
         super().__init__(path, linked, slots, declared)
-        self.ctx, self._owner = owner.ctx, owner
+        self.ctx, self._owner, self._tally = owner.ctx, owner, of_context(Tally, owner.ctx)
         self._rows = rows  # whether the pass can be laid in rows of work groups
         size = (GL.GLint * 3)()
         GL.glGetProgramiv(linked.glo, GL.GL_COMPUTE_WORK_GROUP_SIZE, size)
@@ -177,15 +179,20 @@ class Compute(Program):
         `items`: how many along x, or along x, y and z; rounded up to whole work groups. None at all: nothing happens.
         """
         items = (items,) if isinstance(items, int | np.integer) else items
-        sizes = self.group_size
-        self.run_groups(tuple(-(-int(n) // size) for n, size in zip(items, sizes, strict=False)), *inputs, **own)
+        groups = tuple(-(-int(n) // size) for n, size in zip(items, self.group_size, strict=False))
+        self._dispatch(groups, int(math.prod(items)), inputs, own)
 
     def run_groups(self, groups: int | tuple[int, ...], *inputs: Inputs, **own: Any) -> None:
-        """As `run`, for so many work groups.
-
-        More along one line than the device takes are laid in rows; raises ShaderError if the pass does not know of rows.
-        """
+        """As `run`, for so many work groups."""
         groups = (groups,) if isinstance(groups, int | np.integer) else groups
+        self._dispatch(groups, int(math.prod(groups)) * math.prod(self.group_size), inputs, own)
+
+    def _dispatch(self, groups: tuple[int, ...], items: int, inputs: tuple[Inputs, ...], own: dict[str, Any]) -> None:
+        """Bind and run.
+
+        More groups along one line than the device takes are laid in rows; raises ShaderError if the pass does not know of
+        rows.
+        """
         if min(groups) <= 0:
             return
         most = self._owner.most_groups
@@ -195,12 +202,14 @@ class Compute(Program):
             rows = -(-groups[0] // most)
             groups = -(-groups[0] // rows), rows
         self.bind(*inputs, **own)
+        self._tally.dispatch(self.path, items)
         self.linked.run(*map(int, groups))
         self.ctx.memory_barrier()
 
     def run_indirect(self, arguments: Buffer, *inputs: Inputs, skip: int = 0, **own: Any) -> None:
         """As `run_groups`, for as many work groups as three numbers of a buffer on the GPU say, behind `skip` bytes."""
         self.bind(*inputs, **own)
+        self._tally.dispatch(self.path, None)
         self.linked.run_indirect(arguments.buffer, skip)
         self.ctx.memory_barrier()
 

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.special import ive
 
 from . import equirect
 
@@ -159,6 +158,8 @@ def gaussian_bands(sharpness: np.ndarray, l_max: int = L_MAX) -> tuple[np.ndarra
     c_l = I_{l+1/2}(lam) / I_{1/2}(lam), by the recurrence of modified spherical Bessel functions run downward, its
     stable direction.   [DLMF 10.51.4; Mardia and Jupp 2000, section 9.3]
     """
+    from scipy.special import ive  # lights that are given need none of it
+
     lam = np.atleast_1d(np.asarray(sharpness, float))
     x = np.maximum(lam, 1e-4)
     # The two highest orders from the library, the others by i_{l-1} = i_{l+1} + (2 l + 1) / x i_l.

@@ -16,7 +16,6 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-from scipy.optimize import minimize, nnls
 
 from .harmonics import Evaluation, degrees_of, gaussian_bands, harmonics
 
@@ -57,6 +56,8 @@ class Problem:
 
     def fluxes(self, V: np.ndarray) -> np.ndarray:
         """The non-negative fluxes [K, 3] of least loss for columns V [J, K]."""
+        from scipy.optimize import nnls  # a fit that is kept needs none of it
+
         H, h = V.T @ V, V.T @ self.target
         s = 1 / np.sqrt(np.diag(H))
         # Two lobes may coincide on the way; a trace of damping keeps the factor finite and costs 1e-9 of the loss.
@@ -112,6 +113,8 @@ class Problem:
 
     def refine(self, axis: np.ndarray, sharpness: np.ndarray, iterations: int, step: Callable) -> tuple:
         """Improve all axes and sharpnesses together by L-BFGS-B; return (axis, sharpness, loss)."""
+        from scipy.optimize import minimize
+
         K = len(sharpness)
         low, high = np.log(SHARPNESS_RANGE)
         start = np.concatenate([axis.ravel(), np.clip(np.log(sharpness), low, high)])

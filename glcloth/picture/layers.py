@@ -11,6 +11,7 @@ import numpy as np
 from ..cryptomatte import channels, metadata, ranked
 from ..errors import InputError
 from ..geometry.camera import Camera
+from ..gpu.buffers import read_texture
 from ..gpu.gbuffer import GBuffer
 
 if TYPE_CHECKING:
@@ -173,7 +174,7 @@ def _seen(buffer: GBuffer, triangles: int) -> _Seen:
 
     def read(name: str) -> np.ndarray:
         texture = buffer.frame(name)
-        return np.frombuffer(texture.read(), "f4").reshape(height, width, texture.components)[::-1]
+        return np.frombuffer(read_texture(texture), "f4").reshape(height, width, texture.components)[::-1]
 
     N, p = read("frame_N"), read("frame_p")
     if (p[..., 3] >= triangles).any():

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..geometry.camera import Camera
+from ..gpu.buffers import read_texture
 from ..gpu.gbuffer import DepthOrder, Drawn, GBuffer
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
@@ -204,7 +205,7 @@ class Target:
     def read(self, part: str = "") -> np.ndarray:
         """The picture, float32 [H, W, 4], top row first; alpha: how much of a pixel is covered. Or a part of its light."""
         texture = self.light[LIGHT_PARTS.index(part)] if part else self.color
-        data = np.frombuffer(texture.read(), "f4").reshape(self.size[1], self.size[0], 4)
+        data = np.frombuffer(read_texture(texture), "f4").reshape(self.size[1], self.size[0], 4)
         return data[::-1].copy()
 
     def release(self) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
+from ..gpu.buffers import read_texture
 from ..gpu.programs import Draw
 
 
@@ -43,7 +44,7 @@ class Canvas:
     def pixels(self) -> np.ndarray:
         """Return float32 [H, W, 3], top row first."""
         width, height = self.texture.size
-        data = np.frombuffer(self.texture.read(), np.float32).reshape(height, width, 4)
+        data = np.frombuffer(read_texture(self.texture), np.float32).reshape(height, width, 4)
         return data[::-1, :, :3].copy()
 
     def release(self) -> None:

@@ -36,18 +36,19 @@ class App:
     scene : the first to show; a missing size is chosen
     watch : reload shaders, fabric, mesh, environment and scene files when they change
     source : the file the scene came from, if any
+    device : number or name of the one that shall draw; None: the display's own
 
     Raises NoOpenGLError without a display or OpenGL 4.3, and InputError for a scene that cannot be shown.
     """
 
-    def __init__(self, scene: Scene, watch: bool = False, source: str | None = None):
+    def __init__(self, scene: Scene, watch: bool = False, source: str | None = None, device: int | str | None = None):
         given = "size" in scene.model_fields_set
         wanted = tuple(scene.size if given else DEFAULT_SIZE)
         self.session = Session(scene.model_copy(update={"size": wanted}))
         self.session.resolve(scene.fabric)
         self.clock = Clock()
         self.messages = Messages(self.clock)
-        self.host = Host(wanted, PANEL, not given, self.clock.heard)
+        self.host = Host(wanted, PANEL, not given, self.clock.heard, device)
         try:
             self.drawing = Drawing(self.host, self.session, self.clock, self.messages)
         except BaseException:

@@ -16,8 +16,8 @@ import moderngl
 import numpy as np
 from OpenGL import GL
 
-from ..errors import NoOpenGLError
-from ..gpu.context import REQUIRED, is_software
+from ..errors import InputError, NoOpenGLError
+from ..gpu.context import REQUIRED, ask_display_for, is_software
 
 FONT = 16.0  # points
 
@@ -41,12 +41,21 @@ class Host:
     panel : points that the panels take beside it
     points : the size is in points instead: as large to the eye on any screen
     heard : called at any event
+    device : number or name of the one that shall draw; None: the display's own
 
-    Raises NoOpenGLError without a display or OpenGL 4.3.
+    Raises NoOpenGLError without a display or OpenGL 4.3, InputError where another device draws on the display.
     """
 
-    def __init__(self, size: tuple[int, int], panel: int, points: bool, heard: Callable[[], None]):
+    def __init__(
+        self,
+        size: tuple[int, int],
+        panel: int,
+        points: bool,
+        heard: Callable[[], None],
+        device: int | str | None = None,
+    ):
         glfw.ERROR_REPORTING = "ignore"
+        wanted = None if device is None else ask_display_for(device)
         if not glfw.init():
             raise NoOpenGLError(
                 f"no display for a window ({_reason() or 'glfw does not start'}); `glcloth render` needs none, "
@@ -64,6 +73,9 @@ class Host:
             )
         glfw.make_context_current(self.window)
         self.ctx = moderngl.create_context(require=REQUIRED)
+        if wanted not in (None, name := self.ctx.info["GL_RENDERER"]):
+            glfw.terminate()
+            raise InputError(f"--device {device}: is {wanted}, but {name} draws on this display; leave --device out")
         self.software = is_software(self.ctx)
         # Software rendering is late already; waiting for the screen as well would halve its rate.
         glfw.swap_interval(0 if self.software else 1)

@@ -10,7 +10,23 @@ const int NEED_NODES = 5;        // set when a buffer was too small
 const int NEED_REFS = 6;
 const int LEAF_REF_COUNT = 7;    // references in leaves
 const int LONGEST_LEAF_COUNT = 8;  // triangles of the longest leaf that could not be split
-const int COUNTERS = 16;
+const int NEED_LANES = 9;
+const int NEED_LEAF_REFS = 10;
+const int ACTIVE_NOW = 11;       // large nodes of this level,
+const int LANES_NOW = 12;        // and the invocations that share each
+const int LARGE_USED = 13;       // levels that had large nodes
+const int ROOT_BOX = 16;         // six floats, when the tree is written
+// Work groups along x, y and z of the passes that are dispatched by them.
+const int LANE_GROUPS = 24;      // of measure and scatter
+const int NODE_GROUPS = 27;      // of divide
+const int MASK_GROUPS = 30;
+const int EMIT_GROUPS = 33;
+const int LEAF_GROUPS = 36;
+const int GENERATIONS = 40;      // where each begins among the nodes, as far as the first of small nodes
+const int SMALL_ACTIVE = 72;     // small nodes of each level,
+const int SMALL_GROUPS = 96;     // and their work groups, three numbers a level
+const int COUNTERS = 168;
+const int NODE_GROUP = 64;       // invocations of a work group of the passes above, but for that of masks
 
 // Kinds of a node under construction.
 const uint PENDING = 0u;
@@ -27,6 +43,7 @@ const int PART_SHARE = 32;       // rays that an invocation of passes/tracing/so
 const int STACK = 48;            // the deepest a tree may be: LARGE_LEVELS + SMALL_LEVELS
 const int LARGE_LEVELS = 28;
 const int SMALL_LEVELS = 20;
+const int MOST_GENERATIONS = 56;  // 2 + LARGE_LEVELS + 1 of large nodes, SMALL_LEVELS + 1 of small ones; and the end
 const int LARGE_PLANES = 15;      // planes across each axis at which a large node may be split, evenly spread
 const int LANE_TEXELS = 17;      // notes of a lane about a large node: 2 + 2 LARGE_PLANES
 const int MASK_BITS = 64;        // the largest small node   [Zhou 2008, section 3.1]

@@ -9,6 +9,7 @@ import json
 
 import common
 import numpy as np
+
 from glcloth.bench import check
 from glcloth.picture.renderer import Renderer
 

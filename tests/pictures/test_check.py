@@ -1,6 +1,7 @@
 """`glcloth check`: the pictures are as they are kept, what differs is noticed and named, devices go by name."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from glcloth import cli
 from glcloth.bench import check
 from glcloth.errors import DriverError, InputError
+from glcloth.gpu import context
 from glcloth.gpu.context import create_context
 
 
@@ -96,3 +98,17 @@ def test_devices_go_by_number_and_by_name(session_ctx):
         with pytest.raises(InputError) as error:
             create_context(device)
         assert f"0 {name}" in str(error.value)
+
+
+def test_a_window_asks_for_its_device(session_ctx, monkeypatch):
+    """What the display then does, the window compares with the name."""
+    monkeypatch.setattr(os, "environ", dict(os.environ))
+    os.environ.pop("LIBGL_ALWAYS_SOFTWARE", None)
+    name = session_ctx.info["GL_RENDERER"]
+    assert context.ask_display_for(name) == name
+    assert (os.environ.get("LIBGL_ALWAYS_SOFTWARE") == "1") == context.is_software(session_ctx)
+    monkeypatch.setattr(context, "list_devices", lambda: [context.Device(2, "NVIDIA H200/PCIe/SSE2", "4.6")])
+    assert context.ask_display_for("nvidia") == context.ask_display_for(2) == "NVIDIA H200/PCIe/SSE2"
+    assert os.environ["__GLX_VENDOR_LIBRARY_NAME"] == "nvidia"
+    with pytest.raises(InputError, match="2 NVIDIA"):
+        context.ask_display_for("llvmpipe")

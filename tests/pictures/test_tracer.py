@@ -9,9 +9,8 @@ from glcloth.accel.triangles import Triangles
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera, lens_samples, sample_offsets
-from glcloth.gpu.buffers import Staging
-from glcloth.gpu.context_local import of_context
 from glcloth.gpu.programs import programs
+from glcloth.gpu.tally import counting
 from glcloth.light.environment import Environment, lookup, rotation_y
 from glcloth.tracing.lamp import Lamp, Lighting
 from glcloth.tracing.shot import Shot, TraceSettings
@@ -338,15 +337,14 @@ def test_statistics_add_up(tracer):
 
 def test_the_cpu_waits_once_a_generation(ctx, tracer):
     """For the numbers of its rays; and once for the picture."""
-    staging = of_context(Staging, ctx)
     scene = folded_scene()
     for depth in (1, 4):
         settings = TraceSettings(depth=depth, accelerator="brute")
-        reads, size = staging.reads, staging.bytes
-        tracer.render(
-            **scene, shot=Shot(camera=ROOM_CAMERA, size=(32, 32), fabric=VOILE, lighting=ROOM_LIGHT, settings=settings)
-        )
-        assert (staging.reads - reads, staging.bytes - size) == (depth + 1, 16 * depth + 16 * 32 * 32)
+        with counting(ctx) as counted:
+            tracer.render(
+                **scene, shot=Shot(camera=ROOM_CAMERA, size=(32, 32), fabric=VOILE, lighting=ROOM_LIGHT, settings=settings)
+            )
+        assert (counted.reads, counted.read_bytes) == (depth + 1, 16 * depth + 16 * 32 * 32)
 
 
 def test_a_grid_on_the_gpu_is_the_same_as_arrays(ctx, tracer):

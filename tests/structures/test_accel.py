@@ -259,6 +259,7 @@ def test_buffers_that_are_too_small_grow(ctx, keep, monkeypatch):
     tree.build(triangles)
     monkeypatch.setattr("glcloth.accel.kdtree.NODES_AT_FIRST", 0.15)
     monkeypatch.setattr("glcloth.accel.kdtree.REFS_AT_FIRST", 0.125)
+    monkeypatch.setattr("glcloth.accel.kdtree.LEAF_REFS_AT_FIRST", 0.1)
     small.build(triangles)
     assert small.growths > 0 and tree.growths == 0
     for key, array in tree.arrays().items():
@@ -267,6 +268,37 @@ def test_buffers_that_are_too_small_grow(ctx, keep, monkeypatch):
     grown = small.growths
     small.build(triangles)
     assert small.growths == grown
+
+
+def test_lanes_that_are_too_few_grow(ctx, keep, monkeypatch):
+    """As above, where many lanes share a node."""
+    monkeypatch.setattr("glcloth.accel.kdtree.LANE_REFS", 16)
+    triangles, tree, small = Triangles.of(ctx, scenes.scene(3000, 0.3)), KdTree(ctx), KdTree(ctx)
+    keep += [triangles, tree, small]
+    tree.build(triangles)
+    monkeypatch.setattr("glcloth.accel.kdtree.LARGE_REFS", 1 << 30)
+    small.build(triangles)
+    assert small.growths > 0 and tree.growths == 0
+    for key, array in tree.arrays().items():
+        np.testing.assert_array_equal(array, small.arrays()[key])
+
+
+def test_a_tree_that_grows_deeper_is_built_with_more_levels(ctx, keep):
+    """A build dispatches the levels of the last one, and one more; a jump of the scene is noticed."""
+    even = without_pairs(scenes.scene(1500, 0.3))
+    deep = even.copy()
+    deep[:, :, :] *= np.geomspace(1.0, 1e-3, len(deep), dtype="f4")[:, None, None]
+    first, then = Triangles.of(ctx, even), Triangles.of(ctx, deep)
+    tree, fresh = KdTree(ctx), KdTree(ctx)
+    keep += [first, then, tree, fresh]
+    tree.build(first)
+    levels = tree.large_levels, tree.small_levels
+    tree.build(then)
+    assert tree.growths == 1 and (tree.large_levels > levels[0] + 1 or tree.small_levels > levels[1] + 1)
+    fresh.build(then)
+    assert fresh.growths == 0
+    for key, array in fresh.arrays().items():
+        np.testing.assert_array_equal(array, tree.arrays()[key])
 
 
 def test_pairs_are_found_and_meet_the_same(ctx, queries, keep):

@@ -17,8 +17,6 @@ layout(std430) writeonly buffer Nodes { uvec4 node[]; };
 layout(std430) buffer Counters { uint counter[]; };
 layout(std430) writeonly buffer Active { uint next_active[]; };
 layout(std430) writeonly buffer Roots { uvec4 root[]; };
-uniform int active_count;
-uniform int lanes;
 uniform bool spatial_median;  // instead of the plane of least cost
 uniform int level;
 uniform int small_size;      // a node of at most so many references is small
@@ -70,7 +68,8 @@ void make_child(uint self, vec3 low, vec3 high, uint count) {
 
 void main() {
     int index = item();
-    if (index >= active_count) return;
+    if (index >= int(counter[ACTIVE_NOW])) return;
+    int lanes = int(counter[LANES_NOW]);
     int self = int(texelFetch(active_nodes, index).x);
     uvec2 range = texelFetch(nodes, 4 * self + 3).xy;
     vec3 cell_low = uintBitsToFloat(texelFetch(nodes, 4 * self).xyz);

@@ -10,11 +10,11 @@ uniform usamplerBuffer nodes;
 uniform usamplerBuffer places;
 layout(std430) writeonly buffer TreeNodes { uvec2 tree_node[]; };
 layout(std430) writeonly buffer LeafPairs { uint leaf_pair[]; };
-uniform int node_count;
+layout(std430) readonly buffer Counters { uint counter[]; };
 
 void main() {
     int i = item();
-    if (i >= node_count) return;
+    if (i >= int(counter[NODE_COUNT])) return;
     uvec4 head = texelFetch(nodes, 4 * i + 2);
     uvec2 place = texelFetch(places, i).xy;
     if (head.y == INNER) {

@@ -9,11 +9,11 @@ uniform usamplerBuffer corners;
 uniform usamplerBuffer leaf_pairs;
 uniform usamplerBuffer attributes;
 layout(std430) writeonly buffer LeafCorners { uvec4 leaf_corner[]; };
-uniform int leaf_ref_count;
+layout(std430) readonly buffer Counters { uint counter[]; };
 
 void main() {
     int i = item();
-    if (i >= leaf_ref_count) return;
+    if (i >= int(counter[LEAF_REF_COUNT])) return;
     uint pair = texelFetch(leaf_pairs, i).x;
     uint triangle = pair >> 1;
     bool two = (pair & 1u) != 0u;

@@ -6,13 +6,12 @@
 #include "trace/shared.glsl"
 layout(local_size_x = 16) in;
 #include "inputs/gpu/item.glsl"
+#include "inputs/accel/kdtree_small.glsl"
 uniform usamplerBuffer roots;
 uniform usamplerBuffer refs;
 layout(std430) writeonly buffer Nodes { uvec4 node[]; };
-layout(std430) buffer Counters { uint counter[]; };
 layout(std430) writeonly buffer Active { uint next_active[]; };
 layout(std430) writeonly buffer Masks { uvec4 mask[]; };
-uniform int root_count;
 uniform int small_base;      // where the references of small nodes begin; masks are counted from there
 
 vec3 ref_low(uint r) { return uintBitsToFloat(texelFetch(refs, int(2u * r)).xyz); }
@@ -22,7 +21,7 @@ uint low_bits(int n) { return n >= 32 ? 0xffffffffu : n <= 0 ? 0u : (1u << n) - 
 
 void main() {
     int index = group();
-    if (index >= root_count) return;
+    if (index >= int(counter[ROOT_COUNT])) return;
     uvec4 root = texelFetch(roots, index);
     if (root.w != 0u) return;
     uint first = root.y;
@@ -47,6 +46,6 @@ void main() {
     }
     if (gl_LocalInvocationID.x == 0u) {
         node[4u * root.x + 3u] = uvec4(low_bits(count), low_bits(count - 32), first, 0u);
-        next_active[atomicAdd(counter[ACTIVE_COUNT], 1u)] = root.x;
+        next_active[next_small(0, 1u)] = root.x;
     }
 }

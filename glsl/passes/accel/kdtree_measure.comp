@@ -1,5 +1,5 @@
 #version 430
-// Large nodes, first of three passes a level: `lanes` invocations a node each go through every `lanes`-th reference.
+// Large nodes, first of three passes a level: LANES_NOW invocations a node each go through every LANES_NOW-th reference.
 // Each notes the box of its references, and how many lie left and right of LARGE_PLANES planes across each axis.
 #include "trace/shared.glsl"
 #include "trace/split.glsl"
@@ -10,13 +10,13 @@ uniform usamplerBuffer active_nodes;
 uniform usamplerBuffer refs;
 // LANE_TEXELS each: (low, -) (high, -), then for every plane (counts across x, y, z, -) as side_counts() packs them
 layout(std430) writeonly buffer Lanes { uvec4 lane_out[]; };
-uniform int active_count;
-uniform int lanes;
+layout(std430) readonly buffer Counters { uint counter[]; };
 
 void main() {
     int i = item();
+    int lanes = int(counter[LANES_NOW]);
     int index = i / lanes;
-    if (index >= active_count) return;
+    if (index >= int(counter[ACTIVE_NOW])) return;
     int self = int(texelFetch(active_nodes, index).x);
     uvec2 range = texelFetch(nodes, 4 * self + 3).xy;
     vec3 cell_low = uintBitsToFloat(texelFetch(nodes, 4 * self).xyz);

@@ -5,10 +5,11 @@ layout(local_size_x = 8) in;
 #include "inputs/gpu/item.glsl"
 uniform usamplerBuffer lane_data;
 layout(std430) writeonly buffer Nodes { uvec4 node[]; };
-uniform int lanes;
+layout(std430) readonly buffer Counters { uint counter[]; };
 
 void main() {
     if (item() != 0) return;
+    int lanes = int(counter[LANES_NOW]);
     vec3 low = vec3(3e38);
     vec3 high = vec3(-3e38);
     for (int i = 0; i < lanes; ++i) {

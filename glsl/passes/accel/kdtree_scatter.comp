@@ -1,5 +1,5 @@
 #version 430
-// Large nodes, third of three passes a level: `lanes` invocations a node copy its references to the children, those that
+// Large nodes, third of three passes a level: LANES_NOW invocations a node copy its references to the children, those that
 // straddle the plane to both, with the boxes of their parts.   [Zhou 2008, section 3.1]
 // Each lane goes through the references that it counted in the first pass, so it knows where its own begin: the order
 // within a child does not depend on timing.
@@ -14,8 +14,7 @@ uniform usamplerBuffer refs;
 uniform usamplerBuffer lane_data;
 uniform usamplerBuffer corners;
 layout(std430) writeonly buffer Refs { uvec4 ref_out[]; };
-uniform int active_count;
-uniform int lanes;
+layout(std430) readonly buffer Counters { uint counter[]; };
 uniform float padding;
 
 // The box of a triangle's part, padded, within the box that the reference had; as it was when rounding leaves nothing.
@@ -41,9 +40,10 @@ void put(uint at, vec3 low, vec3 high, uint pair) {
 
 void main() {
     int i = item();
+    int lanes = int(counter[LANES_NOW]);
     int index = i / lanes;
     int lane = i % lanes;
-    if (index >= active_count) return;
+    if (index >= int(counter[ACTIVE_NOW])) return;
     int self = int(texelFetch(active_nodes, index).x);
     uvec4 range = texelFetch(nodes, 4 * self + 3);
     uvec4 head = texelFetch(nodes, 4 * self + 2);  // (first child, kind, -, where its lanes hold the counts)

@@ -5,21 +5,20 @@
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
+#include "inputs/accel/kdtree_small.glsl"
 uniform usamplerBuffer nodes;
 uniform usamplerBuffer active_nodes;
 uniform usamplerBuffer refs;
 uniform usamplerBuffer masks;
 layout(std430) writeonly buffer Nodes { uvec4 node[]; };
-layout(std430) buffer Counters { uint counter[]; };
 layout(std430) writeonly buffer Active { uint next_active[]; };
-uniform int active_count;
 uniform int level;
 uniform int node_capacity;
 uniform int small_base;      // where the references of small nodes begin; masks are counted from there
 
 void main() {
     int index = item();
-    if (index >= active_count) return;
+    if (index >= int(counter[SMALL_ACTIVE + level])) return;
     int self = int(texelFetch(active_nodes, index).x);
     vec3 low = uintBitsToFloat(texelFetch(nodes, 4 * self).xyz);
     vec3 high = uintBitsToFloat(texelFetch(nodes, 4 * self + 1).xyz);
@@ -96,7 +95,7 @@ void main() {
     node[at + 5u] = uvec4(floatBitsToUint(high), 0u);
     node[at + 6u] = uvec4(0u, PENDING, depth + 1u, 0u);
     node[at + 7u] = uvec4(sets.zw, first, 0u);
-    uint slot = atomicAdd(counter[ACTIVE_COUNT], 2u);
+    uint slot = next_small(level + 1, 2u);
     next_active[slot] = children;
     next_active[slot + 1u] = children + 1u;
 }

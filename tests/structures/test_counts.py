@@ -1,0 +1,89 @@
+"""What a frame asks of the GPU, which does not depend on the machine: waits of the CPU, dispatches, how small these are.
+
+What keeps a real GPU waiting is named here (docs of the road: ../shared/design/facts-gpu.md); it may become less.
+"""
+
+import numpy as np
+import pytest
+
+from glcloth.curtain.show import CurtainShow
+from glcloth.gpu.buffers import Buffer
+from glcloth.gpu.tally import Counted, counting
+from glcloth.light.lights import Lights, SphericalGaussians
+from glcloth.scene import CurtainParameters, Scene
+
+LIGHTS = Lights(SphericalGaussians([[0, 1, 0]], [3.0], [[1.0, 1.0, 1.0]]))
+SIZE = (64, 48)
+# Passes of fewer than FEW invocations on the road of a frame of 12,786 triangles, and why.
+FEW = 32
+SMALL = {
+    "passes/accel/kdtree_root.comp": "one root",
+    "passes/accel/kdtree_level.comp": "the counters of a level",
+    "passes/accel/kdtree_order.comp": "one work group",
+    "passes/simulation/strips.comp": "one a strip",
+    "passes/tracing/sort.comp": "32 rays each: the last generations have few",
+    "passes/tracing/layers.comp": "one a head: the last generations have few",
+}
+
+
+@pytest.fixture(scope="module")
+def curtain(session_ctx):
+    with session_ctx, CurtainShow(session_ctx, Scene(size=SIZE, curtain=CurtainParameters(settle=0.05))) as show:
+        assert show.triangles.count == 12_786
+        show.picture()
+        yield show
+
+
+def frame_of(curtain, ctx):
+    """What a frame of the moving curtain asks for: its motion, its tree, and its picture, which stays on the GPU."""
+    parts = []
+    for work in (curtain.advance, curtain.build, lambda: list(curtain.tracer.steps(curtain.shot()))):
+        with counting(ctx) as counted:
+            work()
+        parts.append(counted)
+    return parts
+
+
+def test_a_frame_of_cloth_waits_for_its_picture_alone(ctx, renderer):
+    frame = renderer.prepare(mesh="plane", lights=LIGHTS, size=SIZE, shadows="off", background=False)
+    renderer.draw(frame)
+    with counting(ctx) as window:
+        renderer.draw(frame)
+    assert window == Counted()
+    with counting(ctx) as picture:
+        renderer.render_frame(frame)
+    assert (picture.reads, picture.read_bytes, picture.dispatched) == (1, 16 * SIZE[0] * SIZE[1], 0)
+
+
+def test_a_frame_of_the_curtain_waits_as_often_as_is_said(ctx, curtain):
+    moved, built, traced = frame_of(curtain, ctx)
+    # The counters of the tree.
+    assert (moved.reads, built.reads) == (0, 1)
+    assert built.read_bytes < 1024
+    # Once a generation: how many rays the next one has.
+    assert (traced.reads, traced.read_bytes) == (4, 4 * 16)
+    with counting(ctx) as read:
+        curtain.tracer.picture.read(16 * SIZE[0] * SIZE[1])
+    assert read.reads == 1
+
+
+def test_dispatches_of_a_frame_of_the_curtain(ctx, curtain):
+    tree = curtain.tracer.structure("kdtree")
+    large, small = tree.large_levels + 1, tree.small_levels + 1
+    moved, built, traced = frame_of(curtain, ctx)
+    assert built.dispatched == 4 * large + small + 7
+    assert traced.dispatched == 4 * 5 + 3 + 2
+    assert moved.dispatched <= 80
+    few = {path for counted in (moved, built, traced) for path, items in counted.fewest.items() if items < FEW}
+    assert few <= SMALL.keys()
+
+
+def test_counts_are_of_what_is_within(ctx):
+    buffer = Buffer(ctx, np.zeros(4, "f4"))
+    with counting(ctx) as outer:
+        buffer.read()
+        with counting(ctx) as inner:
+            buffer.read(4)
+    buffer.read()
+    assert (outer.reads, outer.read_bytes, inner.reads, inner.read_bytes) == (2, 20, 1, 4)
+    buffer.release()
