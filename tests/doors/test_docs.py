@@ -41,7 +41,7 @@ def known(words, where):
 def test_commands_and_code_run(document, tmp_path, monkeypatch, renderer):
     """In the order of the text and in one folder, so that a file that nothing makes is missing here as well."""
     monkeypatch.chdir(tmp_path)
-    for home in ("glcloth.picture.renderer", "glcloth"):  # one context for all, as the other tests have it
+    for home in ("glcloth", "glcloth.picture.renderer"):  # one context for all, as the other tests have it
         monkeypatch.setattr(f"{home}.Renderer", lambda device=None: contextlib.nullcontext(renderer))
     for block in documents.blocks(document):
         where = f"{document.name}:{block.line}"
