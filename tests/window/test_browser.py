@@ -184,7 +184,6 @@ def test_the_command_says_what_is_wrong(capsys):
         (["curtain", "--http", "0"], "glcloth animate curtain"),
         (["--http", "0", "--watch"], "belongs to the window"),
         (["--http", "0", "--device", "77"], "--device 77"),
-        (["--device", "0"], "--http PORT"),
     ):
         with pytest.raises(SystemExit) as stop:
             main(["view", *words])
