@@ -115,7 +115,6 @@ def view(
     host: Annotated[
         str, Parameter(help="With --http: the address to listen on; others than this machine's own let others in.")
     ] = "127.0.0.1",
-    device: Device = None,
     options: SceneOptions | None = None,
     device: Device = None,
 ) -> None:
@@ -134,8 +133,6 @@ def view(
 
         serve(chosen, http, host, device)
         return
-    if device is not None:
-        raise InputError("--device: the window is on the display's own; give --http PORT, or leave it out")
 
     from ..window import view as open_window
 

@@ -82,12 +82,10 @@ class Handler(BaseHTTPRequestHandler):
             said = query.get("after", ["0"])[0][:15]
             after = int(said) if said.isascii() and said.isdigit() else 0
             shown = live.picture(after)
-            if shown.version > after:
-                about = {"version": shown.version, "status": shown.status, "complete": shown.complete}
-                about |= {"message": shown.message}
-                self._answer(200, shown.jpeg, "image/jpeg", {"X-About": json.dumps(about)})
-            else:
-                self._answer(204, b"", "image/jpeg")
+            about = {"version": shown.version, "status": live.status, "complete": shown.complete}
+            more = {"X-About": json.dumps(about | {"message": shown.message})}
+            new = shown.version > after
+            self._answer(200 if new else 204, shown.jpeg if new else b"", "image/jpeg", more)
         elif path == "/fabric.toml":
             try:
                 with tempfile.TemporaryDirectory() as folder:

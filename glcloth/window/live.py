@@ -38,11 +38,10 @@ EVERY = 0.12  # seconds between two pictures that are being refined
 
 @dataclass(frozen=True)
 class Shown:
-    """A picture as it is sent: JPEG, its number, how far it is, and the last message."""
+    """A picture as it is sent: JPEG, its number, whether it is complete, and the last message."""
 
     version: int
     jpeg: bytes
-    status: str
     complete: bool
     message: str
 
@@ -67,8 +66,9 @@ class Live:
         self.session.resolve(scene.fabric)
         self._wishes: queue.Queue[tuple[Future, Callable[[], Any]] | None] = queue.Queue()
         self._news = threading.Condition()
-        self._shown = Shown(0, b"", "beginning", False, "")
+        self._shown = Shown(0, b"", False, "")
         self._message = ""
+        self.status = "beginning"  # how far it is, in words
         self._document: Document | None = None
         self._pending, self._closed, self._ended = True, False, False
         self._sent, self._unsent = 0.0, False
@@ -88,9 +88,12 @@ class Live:
                 if self._ended:
                     raise InputError("this view is closed; open another") from None
 
-    def picture(self, after: int = 0, patience: float = 20.0) -> Shown:
-        """The present picture, once it is newer than number `after`; the old one after `patience` seconds."""
+    def picture(self, after: int = 0, patience: float | None = None) -> Shown:
+        """The present picture, once it is newer than number `after`; the old one after `patience` seconds: by default soon
+        while something is on its way, so that others can say how far it is."""
         with self._news:
+            if patience is None:
+                patience = 20.0 if self._shown.complete else 1.0
             self._news.wait_for(lambda: self._shown.version > after or self._closed, patience)
             return self._shown
 
@@ -221,8 +224,17 @@ class Live:
             self._message, again = one_line(error), bool(refiner.sides)
         self._unsent |= changed
         soon = refiner.idle or refiner.previewing or now() - self._sent > EVERY
-        if again or (self._unsent and soon):
+        self.status = self.resources.doing if self._pending else refiner.status(self.session.scene)[0]
+        # The last step of a drawing shows nothing new, but that the picture is complete.
+        over = self._complete and not self._shown.complete
+        if again or over or (self._unsent and soon):
             self._send()
+
+    @property
+    def _complete(self) -> bool:
+        """Whether the picture is that of `render`."""
+        sides = self.refiner.sides
+        return self.refiner.idle and not self._pending and bool(sides) and sides[0].share == 1.0
 
     def _hear(self) -> None:
         """Do what was asked; wait for it where there is nothing else to do."""
@@ -275,14 +287,13 @@ class Live:
         light = pixels[..., :3]
         if not scene.background:
             light = light + (1.0 - pixels[..., 3:]) * BACKDROP
-        complete = self.refiner.idle and side.share == 1.0 and not self._pending
+        complete = self._complete
         codes = np.round(255 * view(light, scene.transform, scene.exposure)).astype(np.uint8)
         buffer = io.BytesIO()
         how = {"quality": 95, "subsampling": 0} if complete else {"quality": 85}
         Image.fromarray(codes).save(buffer, "jpeg", **how)
         with self._news:
-            status = self.refiner.status(scene)[0]
-            self._shown = Shown(self._shown.version + 1, buffer.getvalue(), status, complete, self._message)
+            self._shown = Shown(self._shown.version + 1, buffer.getvalue(), complete, self._message)
             self._news.notify_all()
         self._unsent, self._sent = False, now()
 

@@ -51,11 +51,11 @@ class Browser:
     def run(self, script, *arguments):
         return self("/execute/sync", {"script": script, "args": list(arguments)})
 
-    def wait(self, script, seconds=120):
+    def wait(self, script, seconds=300):
         begin = time.perf_counter()
         while not self.run(script):
             assert time.perf_counter() - begin < seconds, script
-            time.sleep(0.05)
+            time.sleep(0.1)
         return time.perf_counter() - begin
 
     def shot(self, path):
