@@ -167,6 +167,7 @@ def test_a_flat_sheet_hides_nothing_from_itself(ctx):
 def test_inside_a_ball_nothing_is_seen_and_outside_everything(ctx):
     mesh = subdivided(load_mesh("sphere"))
     _, values = seen_by(ctx, mesh, classes=4)
+    values = values[np.unique(mesh.triangles)]  # at the poles some corners belong to triangles without area
     assert values[:, 0, :5].min() > 0.985  # a facet's plane lies a little below its corners' horizon
     inside = values[:, 1, 0]
     assert inside.max() == 0.0
