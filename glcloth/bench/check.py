@@ -48,7 +48,7 @@ PICTURES: Mapping[str, dict[str, Any]] = {
     "direct": {**_CLOTH, "fabric": "silk_crepe_de_chine"},
     "paper": {**_CLOTH, "fabric": "linen", "method": "paper", "grid": 16},
     "reference": {**_CLOTH, "fabric": "velvet", "method": "reference", "cube": 8},
-    "shadows": {**_CLOTH, "fabric": "satin_charmeuse_front", "mesh": "sphere", "objects": ("sphere@0.45,0.25,0.6,0.4",),
+    "shadows": {**_CLOTH, "fabric": "satin_charmeuse_front", "mesh": "plane", "objects": ("plane@0.25,0.1,0.25,0.5,40",),
                 "ground": "auto", "shadows": "full"},
     "threads": {**_CLOTH, "fabric": "denim_raw", "mesh": "plane",
                 "camera": View(eye=(0.0, 0.012, 0.008), target=(0.0, 0.0, 0.0))},
