@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import os
 import re
 import threading
@@ -176,10 +177,8 @@ def ask_display_for(device: int | str) -> str:
         os.environ["LIBGL_ALWAYS_SOFTWARE"] = "1"
     elif "nvidia" in found[0].lower():
         os.environ |= {"__NV_PRIME_RENDER_OFFLOAD": "1", "__GLX_VENDOR_LIBRARY_NAME": "nvidia"}
-    from OpenGL import EGL  # windows alone need it
-
     # The last context that was looked at is still current; X refuses the window's beside it.
-    EGL.eglReleaseThread()
+    ctypes.CDLL("libEGL.so.1").eglReleaseThread()
     return found[0]
 
 
