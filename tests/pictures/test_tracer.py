@@ -342,7 +342,8 @@ def test_the_cpu_waits_once_a_generation(ctx, tracer):
         settings = TraceSettings(depth=depth, accelerator="brute")
         with counting(ctx) as counted:
             tracer.render(
-                **scene, shot=Shot(camera=ROOM_CAMERA, size=(32, 32), fabric=VOILE, lighting=ROOM_LIGHT, settings=settings)
+                **scene,
+                shot=Shot(camera=ROOM_CAMERA, size=(32, 32), fabric=VOILE, lighting=ROOM_LIGHT, settings=settings),
             )
         assert (counted.reads, counted.read_bytes) == (depth + 1, 16 * depth + 16 * 32 * 32)
 
