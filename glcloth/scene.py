@@ -223,7 +223,7 @@ class Scene(Value):
     contribution: float = paper(
         "", "share of the singular values that tables keep; a change makes new ones", default=0.9, ge=0.5, le=0.9999)
     spp: int = option(
-        "", "samples per pixel of a whole picture; path: 64 where nothing is said", default=1, ge=1, le=1 << 20, slider=(1, 64))
+        "", "samples per pixel of a whole picture; path: 1 stands for 64, or with noise for as many as it takes", default=1, ge=1, le=1 << 20, slider=(1, 64))
     noise: float = path(
         "%", "stop where the mean standard error of the pixels that show surfaces is so small a share of their mean light, spp "
         "at the latest; 0: never before", default=0.0, ge=0, le=100, slider=(0.0, 5.0))

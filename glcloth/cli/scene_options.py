@@ -37,7 +37,7 @@ class SceneOptions:
     cube: Annotated[int | None, Parameter(help="Edge of the cube map whose directions are summed (4 to 128 texels; method reference).")] = None
     grid: Annotated[int | None, Parameter(help="Directions per axis of the tables; a change makes new ones (8 to 96; method paper).")] = None
     contribution: Annotated[float | None, Parameter(help="Share of the singular values that tables keep; a change makes new ones (0.5 to 0.9999; method paper).")] = None
-    spp: Annotated[int | None, Parameter(help="Samples per pixel of a whole picture; path: 64 where nothing is said (1 to 1.04858e+06).")] = None
+    spp: Annotated[int | None, Parameter(help="Samples per pixel of a whole picture; path: 1 stands for 64, or with noise for as many as it takes (1 to 1.04858e+06).")] = None
     noise: Annotated[float | None, Parameter(help="Stop where the mean standard error of the pixels that show surfaces is so small a share of their mean light, spp at the latest; 0: never before (0 to 100 %; method path).")] = None
     size: Annotated[str | None, Parameter(help="WIDTHxHEIGHT (pixels).")] = None
     exposure: Annotated[float | None, Parameter(help="Brightness on screen and in PNG files; EXR files keep the light itself (-20 to 20 stops).")] = None

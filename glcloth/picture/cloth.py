@@ -61,7 +61,7 @@ class ClothSurface(Surface):
         """
         scene = frame.scene
         self.scene_buffers.prepare(cloth.fabric, frame.lights)
-        self.method = self.named_method(scene.method)
+        self.method = self.named_method("direct" if scene.method == "path" else scene.method)
         self.method.prepare(cloth.fabric, frame.lights, frame.settings)
         self.passes = list(self.method.passes())
         self.pass_count = len(self.passes)

@@ -17,14 +17,14 @@ from .frame import Frame
 from .looks import is_matt
 from .pace import Pace
 
-SAMPLES = 64  # of a picture that says neither how many nor how little noise
+SAMPLES = 64  # of a picture that says neither how many nor how little noise; one sample shows nothing
 MOST_SAMPLES = 1 << 20  # of one that says how little noise
 
 
 def samples_of(frame: Frame) -> int:
     """How many samples a pixel gets at most."""
     scene = frame.scene
-    if "spp" in scene.model_fields_set:
+    if scene.spp > 1:
         return scene.spp
     return MOST_SAMPLES if scene.noise > 0.0 else SAMPLES
 
@@ -38,7 +38,9 @@ def check_path(frame: Frame) -> None:
     if objects is None:
         return
     if objects.ground is not None and objects.ground.catcher:
-        raise InputError("method path: a ground that shows its shadow alone is not for it; give --ground auto, or method direct")
+        raise InputError(
+            "method path: a ground that shows its shadow alone is not for it; give --ground auto, or method direct"
+        )
     for mesh, materials in zip(objects.meshes, objects.materials or ((),) * len(objects.meshes), strict=True):
         if not all(is_matt(material) for material in materials):
             raise InputError(

@@ -222,7 +222,8 @@ class Renderer:
         check_stopped()
         pace = Pace(rows, preview, announce)
         target = self._targets.get(frame.scene.size, gathering is not None)
-        if frame.scene.method == "path":
+        # In parts and as previews, as the window draws, its scenes are shown by `direct`.
+        if frame.scene.method == "path" and rows is None and not preview:
             self._target, self._last = target, frame
             yield from self._paths.steps(frame, target.framebuffer, pace)
             return

@@ -47,6 +47,11 @@ def plane(size=2.0):
     return Mesh.from_arrays(corners, [[0, 1, 2], [0, 2, 3]], np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]]), name="plane")
 
 
+def shifted(*step):
+    """Corners of a small square elsewhere."""
+    return plane(0.1).positions + np.array(step)
+
+
 def slanted(theta, phi=0.5):
     """A direction above the plane."""
     return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
@@ -67,7 +72,9 @@ def directions_of(renderer, fabric, omega_o, values, draws):
     tracer.take(PathWorld(((plane(), fabric),)))
     buffer = Buffer(renderer.ctx, np.pad(values, ((0, 0), (0, 1))).astype("f4"))
     program = programs(renderer.ctx).compute("draw", None, {"draw": DRAW})
-    program.run(len(values), tracer.fabric_inputs(), Directions=buffer, draws=draws, omega_o=tuple(omega_o), cloth_count=1)
+    program.run(
+        len(values), tracer.fabric_inputs(), Directions=buffer, draws=draws, omega_o=tuple(omega_o), cloth_count=1
+    )
     found = np.frombuffer(buffer.read(16 * len(values)), "f4").reshape(-1, 4)
     return found[:, :3].astype(float), found[:, 3].astype(float)
 
@@ -88,7 +95,9 @@ def test_drawn_directions_have_their_density(renderer, name):
         above = drawn[drawn[:, 2] > 1e-3]
         expected = density.reshape(rows, fine, sectors, fine).sum((1, 3)).ravel() * 4 * np.pi / len(grid) * count
         place = (np.floor((above[:, 2] + 1) / 2 * rows).clip(0, rows - 1) * sectors).astype(int)
-        place += np.floor((np.arctan2(above[:, 1], above[:, 0]) / np.pi + 1) / 2 * sectors).clip(0, sectors - 1).astype(int)
+        place += (
+            np.floor((np.arctan2(above[:, 1], above[:, 0]) / np.pi + 1) / 2 * sectors).clip(0, sectors - 1).astype(int)
+        )
         found = np.bincount(place, minlength=rows * sectors)
         assert abs(found.sum() / expected.sum() - 1) < 0.01
         # A bin's own quadrature errs by up to some percent where a thread's pole lies in it.
@@ -121,7 +130,9 @@ def furnace(renderer, fabric, theta, **changes):
     return sums.picture[..., :3].mean((0, 1)), np.sqrt((sums.standard_error**2).sum()) / sums.squares.size, sums
 
 
-@pytest.mark.parametrize(("name", "theta"), [("linen", 0.4), ("silk_crepe_de_chine", 1.2), ("satin_charmeuse_front", 0.7)])
+@pytest.mark.parametrize(
+    ("name", "theta"), [("linen", 0.4), ("silk_crepe_de_chine", 1.2), ("satin_charmeuse_front", 0.7)]
+)
 def test_even_light_shows_the_albedo(renderer, name, theta):
     fabric = load_fabric(name)
     mean, error, sums = furnace(renderer, fabric, theta, spp=128)
@@ -168,7 +179,7 @@ def test_a_white_bowl_under_even_light(renderer, bounce, expected):
     mesh = bowl()
     objects = Objects((mesh,), (np.full((len(mesh.triangles), 3), 0.8),))
     view = glcloth.View(eye=(0.0, 0.5, 0.0), target=(0.0, -1.0, 0.0), up=(0.0, 0.0, 1.0), fov_deg=50.0)
-    far = Mesh.from_arrays(plane(0.1).positions + [0, -9.0, 0], plane().triangles, name="far")
+    far = Mesh.from_arrays(shifted(0, -9.0, 0), plane().triangles, name="far")
     look = {"method": "path", "light": "map", "environment": WHITE, "size": (24, 18), "spp": 64, "bounce": bounce}
     picture = renderer.render(mesh=far, objects=objects, camera=view, **look)
     assert renderer.path_sums().cover.min() == 64
@@ -181,7 +192,7 @@ def test_a_sun_on_the_ground_is_exact(renderer):
     lights = Lights(dark, Suns(direction[None], np.array([[2.0, 1.0, 0.5]])))
     view = glcloth.View(eye=(0.0, 3.0, 0.01), target=(0.0, 0.0, 0.0), fov_deg=40.0)
     look = {"method": "path", "ground": 0.0, "ground_color": (0.5, 0.5, 0.5), "size": (16, 12), "spp": 4}
-    far = Mesh.from_arrays(plane(0.1).positions + [9.0, 0.1, 0], plane().triangles, name="far")
+    far = Mesh.from_arrays(shifted(9.0, 0.1, 0), plane().triangles, name="far")
     picture = renderer.render(mesh=far, lights=lights, camera=view, **look)
     expected = 0.5 / np.pi * direction[1] * np.array([2.0, 1.0, 0.5])
     np.testing.assert_allclose(np.asarray(picture)[4:8, 4:12], np.broadcast_to(expected, (4, 8, 3)), rtol=1e-4)
@@ -211,6 +222,8 @@ def test_it_stops_at_the_noise_that_is_asked_for(renderer):
     assert renderer.facts()["samples"] == renderer.path_sums().samples
     renderer.render(noise=0.001, spp=6, **look)
     assert renderer.path_sums().samples == 6
+    # The window, which draws in parts, shows such scenes by another method.
+    assert [total for _, total in renderer.steps(renderer.prepare(**look), rows=lambda: 24)][-1] == 1
 
 
 @pytest.mark.parametrize(
