@@ -15,6 +15,7 @@ import numpy as np
 
 from ..accel.queries import RayQueries
 from ..accel.structure import Structure, tracing
+from ..accel.triangles import find_pairs
 from ..files import atomic_write, cache_dir
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
@@ -110,9 +111,13 @@ def facing_the_room(positions: np.ndarray, structure: Structure, ctx: moderngl.C
     for n in (normal, -normal):
         d = _about(n, z)
         o = np.broadcast_to((middle + offset * n)[:, None], d.shape)
-        seen.append(queries.any_hit(structure, o.reshape(-1, 3), d.reshape(-1, 3)).reshape(len(n), -1).mean(1))
+        way = queries.closest_hit(structure, o.reshape(-1, 3), d.reshape(-1, 3)).t.reshape(len(n), -1)
+        seen.append((np.isfinite(way).mean(1), np.median(np.where(np.isfinite(way), way, 0.0), 1)))
     queries.release()
-    over = (seen[0] < 0.1) & (seen[1] > 0.1)
+    # What is near is the inside of a thing, such as of a window's frame, whose outer face sees the sky alone.
+    over = (seen[0][0] < 0.1) & (seen[1][0] > 0.5) & (seen[1][1] > 0.1 * 1e4 * offset)
+    joined = np.flatnonzero(find_pairs(positions, np.zeros(len(positions), int))[1])
+    over[joined + 1] = over[joined]
     return np.where(over[:, None, None], positions[:, ::-1], positions)
 
 

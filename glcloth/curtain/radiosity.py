@@ -114,7 +114,11 @@ class Radiosity:
     def _upload_static(self) -> None:
         f = self.factors
         source, weight = f.charts.texels(f.openness())
-        self._put("factors", f.factors[: f.light_senders], "r32f")
+        # Four senders a texel, receiver by receiver, so that neighbours read neighbours.
+        S, R = f.light_senders, f.factors.shape[1]
+        four = np.zeros((-(-S // 4) * 4, R), np.float32)
+        four[:S] = f.factors[:S]
+        self._put("factors", np.ascontiguousarray(four.reshape(-1, 4, R).transpose(0, 2, 1)))
         self._put("chart_data", f.charts.records())
         self._put("chart_of", f.charts.chart_of.astype(np.uint32), "r32ui")
         self._put("texel_sources", source.astype(np.uint32), "rgba32ui")
@@ -261,7 +265,7 @@ class Radiosity:
             S, bounces=b["bounces"], sources=b["sources"], Sent=b["sent"], sender_count=S
         )
         passes.compute("passes/curtain/gather_light.comp").run(
-            R, factors=b["factors"], sent=b["sent"], sky_light=b["sky_light"], Received=b["received"], receiver_count=R,
+            -(-R // 4), factors=b["factors"], sent=b["sent"], sky_light=b["sky_light"], Received=b["received"], receiver_count=R,
             sender_count=S, passes=tuple(map(float, folds.passes)),
         )  # fmt: skip
         texels = self._chart_texels + 6 * CELLS
