@@ -153,6 +153,8 @@ SPECIAL = {
     ("clipped_box", "n"): lambda rng, count: np.eye(3)[rng.integers(0, 3, count)],
     ("clipped_box", "side"): choice(-1.0, 1.0),
 }
+
+
 def across_horizon(rng, count):
     """Points above and below the horizon of a unit normal."""
     values = seen_quads("abn")(rng, count)
