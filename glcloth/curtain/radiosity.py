@@ -196,11 +196,8 @@ class Radiosity:
             return out
         seen = f.factors[f.light_senders :]
         turn = rotation_y(-shot.env_rotate)
-        small = (
-            None
-            if shot.environment is None
-            else self._small_map.get(lambda: _without_suns(shot.environment), shot.environment)
-        )
+        environment = shot.environment
+        small = None if environment is None else self._small_map.get(lambda: _without_suns(environment), environment)
         for corners, F in zip(f.openings, seen, strict=True):
             sees = np.flatnonzero(F)
             radiance = np.zeros((len(sees), 3))
@@ -306,13 +303,12 @@ class Radiosity:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (
-            *self._buffers.values(),
-            self.cloth,
-            self._triangles,
-            *([self._structure] if self._structure else []),
-        ):
-            thing.release()
+        for buffer in self._buffers.values():
+            buffer.release()
+        self.cloth.release()
+        self._triangles.release()
+        if self._structure is not None:
+            self._structure.release()
 
 
 def _without_suns(environment: Environment) -> np.ndarray:

@@ -230,7 +230,7 @@ class CurtainShow:
         """
         for _ in self.building((other or self.scene).accelerator):
             pass
-        shot = self.lit(self.shot(other), other and other.gi)
+        shot = self.lit(self.shot(other), other.gi if other else None)
         settings = dataclasses.replace(shot.settings, spp=spp)
         return self.tracer.steps(dataclasses.replace(shot, size=size, settings=settings), pixels)
 
