@@ -106,7 +106,8 @@ def main(fabric="sheer_voile", frame="0", count="150000"):
     chart = charts.chart_of[at]
     middle = charts.origin + (charts.u + charts.v) / 2
     print(
-        f"{fabric}, frame {frame}: straight from the lamp {flux[first].sum(0).round(2)} W, indirect {flux[~first].sum(0).round(2)}"
+        f"{fabric}, frame {frame}: straight from the lamp {flux[first].sum(0).round(2)} W, "
+        f"indirect {flux[~first].sum(0).round(2)} W"
     )
     sizes = np.linalg.norm(np.cross(charts.u, charts.v), axis=1)
     for k in np.argsort(-sizes)[:9]:
