@@ -168,7 +168,7 @@ def _divided(shapes: list, chart_of: np.ndarray, side: float) -> Charts:
              for _, u, v, half, _ in shapes]  # fmt: skip
     columns: dict[str, list] = {name: [] for name in ("X", "N", "U", "V", "area", "patch", "chart", "cell")}
     patches, patch_triangle = [], []
-    for k, ((a, u, v, half, triangle), (cells, middles, share, patch, corners)) in enumerate(
+    for k, ((a, u, v, _, triangle), (cells, middles, share, patch, corners)) in enumerate(
         zip(shapes, parts, strict=True)
     ):
         normal = np.cross(u, v)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ..accel.queries import RayQueries
 from ..accel.structure import Structure, tracing
+from ..accel.triangles import find_pairs
 from ..files import atomic_write, cache_dir
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
@@ -110,16 +111,24 @@ def facing_the_room(positions: np.ndarray, structure: Structure, ctx: moderngl.C
     for n in (normal, -normal):
         d = _about(n, z)
         o = np.broadcast_to((middle + offset * n)[:, None], d.shape)
-        seen.append(queries.any_hit(structure, o.reshape(-1, 3), d.reshape(-1, 3)).reshape(len(n), -1).mean(1))
+        way = queries.closest_hit(structure, o.reshape(-1, 3), d.reshape(-1, 3)).t.reshape(len(n), -1)
+        seen.append((np.isfinite(way).mean(1), np.median(np.where(np.isfinite(way), way, 0.0), 1)))
     queries.release()
-    over = (seen[0] < 0.1) & (seen[1] > 0.1)
+    # What is near is the inside of a thing, such as of a window's frame, whose outer face sees the sky alone.
+    over = (seen[0][0] < 0.1) & (seen[1][0] > 0.5) & (seen[1][1] > 0.1 * 1e4 * offset)
+    joined = np.flatnonzero(find_pairs(positions, np.zeros(len(positions), int))[1])
+    over[joined + 1] = over[joined]
     return np.where(over[:, None, None], positions[:, ::-1], positions)
 
 
-def find_openings(charts: Charts, low: np.ndarray, high: np.ndarray, structure: Structure, ctx: moderngl.Context) -> np.ndarray:
+def find_openings(
+    charts: Charts, low: np.ndarray, high: np.ndarray, structure: Structure, ctx: moderngl.Context
+) -> np.ndarray:
     """Cells [W, 4, 3] on the room's bounding box that cover where rays of its elements leave it."""
     d = _about(charts.normals, cosine_direction(_points(8)))
-    o = np.broadcast_to((charts.positions + 1e-4 * (high - low).max() * charts.normals)[:, None], d.shape).reshape(-1, 3)
+    o = np.broadcast_to((charts.positions + 1e-4 * (high - low).max() * charts.normals)[:, None], d.shape).reshape(
+        -1, 3
+    )
     d = d.reshape(-1, 3)
     queries = RayQueries(ctx)
     free = ~queries.any_hit(structure, o, d)
@@ -214,7 +223,10 @@ def _compute(
 ) -> Iterator[float | np.ndarray]:
     x, n = sheet.receivers()
     receivers = np.zeros((len(charts.positions) + len(x), 2, 4), np.float32)
-    receivers[:, 0, :3], receivers[:, 1, :3] = np.concatenate([charts.positions, x]), np.concatenate([charts.normals, n])
+    receivers[:, 0, :3], receivers[:, 1, :3] = (
+        np.concatenate([charts.positions, x]),
+        np.concatenate([charts.normals, n]),
+    )
     receivers[len(charts.positions) :, 0, 3] = 1.0
     cells = sheet.cells()
     senders = np.zeros((len(charts.patches) + len(cells) + len(openings), 4, 4), np.float32)

@@ -114,7 +114,11 @@ class Radiosity:
     def _upload_static(self) -> None:
         f = self.factors
         source, weight = f.charts.texels(f.openness())
-        self._put("factors", f.factors[: f.light_senders], "r32f")
+        # Four senders a texel, receiver by receiver, so that neighbours read neighbours.
+        S, R = f.light_senders, f.factors.shape[1]
+        four = np.zeros((-(-S // 4) * 4, R), np.float32)
+        four[:S] = f.factors[:S]
+        self._put("factors", np.ascontiguousarray(four.reshape(-1, 4, R).transpose(0, 2, 1)))
         self._put("chart_data", f.charts.records())
         self._put("chart_of", f.charts.chart_of.astype(np.uint32), "r32ui")
         self._put("texel_sources", source.astype(np.uint32), "rgba32ui")
@@ -141,7 +145,9 @@ class Radiosity:
         how many points there are. The curtain's samples come behind them."""
         f, charts = self.factors, self.factors.charts
         lamp, intensity = np.array(shot.lighting.lamp.position), np.array(shot.lighting.lamp.intensity)
-        points = charts.positions[:, None] + np.einsum("pk,nkc->npc", LAMP_POINTS, np.stack([charts.sides_u, charts.sides_v], 1))
+        points = charts.positions[:, None] + np.einsum(
+            "pk,nkc->npc", LAMP_POINTS, np.stack([charts.sides_u, charts.sides_v], 1)
+        )
         element = np.repeat(np.arange(len(charts.positions)), len(LAMP_POINTS))
         normals = charts.normals[element]
         points = points.reshape(-1, 3) + 1e-3 * normals
@@ -190,7 +196,8 @@ class Radiosity:
             return out
         seen = f.factors[f.light_senders :]
         turn = rotation_y(-shot.env_rotate)
-        small = None if shot.environment is None else self._small_map.get(lambda: _without_suns(shot.environment), shot.environment)
+        environment = shot.environment
+        small = None if environment is None else self._small_map.get(lambda: _without_suns(environment), environment)
         for corners, F in zip(f.openings, seen, strict=True):
             sees = np.flatnonzero(F)
             radiance = np.zeros((len(sees), 3))
@@ -246,7 +253,13 @@ class Radiosity:
         self._put("chosen", (first + chosen).astype(np.uint32), "r32ui")
         b, passes = self._buffers, programs(self.ctx)
         passes.compute("passes/curtain/lit_cloth.comp").run(
-            len(chosen), inputs, chosen=b["chosen"], Points=b["points"], Lights=b["lights"], chosen_count=len(chosen), first=lit
+            len(chosen),
+            inputs,
+            chosen=b["chosen"],
+            Points=b["points"],
+            Lights=b["lights"],
+            chosen_count=len(chosen),
+            first=lit,
         )
         attenuate(self.ctx, structure, inputs, b["points"], b["lights"], b["arrived"], lit + len(chosen))
         S, R = f.light_senders, f.factors.shape[1]
@@ -261,7 +274,7 @@ class Radiosity:
             S, bounces=b["bounces"], sources=b["sources"], Sent=b["sent"], sender_count=S
         )
         passes.compute("passes/curtain/gather_light.comp").run(
-            R, factors=b["factors"], sent=b["sent"], sky_light=b["sky_light"], Received=b["received"], receiver_count=R,
+            -(-R // 4), factors=b["factors"], sent=b["sent"], sky_light=b["sky_light"], Received=b["received"], receiver_count=R,
             sender_count=S, passes=tuple(map(float, folds.passes)),
         )  # fmt: skip
         texels = self._chart_texels + 6 * CELLS
@@ -290,8 +303,12 @@ class Radiosity:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (*self._buffers.values(), self.cloth, self._triangles, *([self._structure] if self._structure else [])):
-            thing.release()
+        for buffer in self._buffers.values():
+            buffer.release()
+        self.cloth.release()
+        self._triangles.release()
+        if self._structure is not None:
+            self._structure.release()
 
 
 def _without_suns(environment: Environment) -> np.ndarray:

@@ -20,14 +20,14 @@ float edge_factor(vec3 a, vec3 b, vec3 n) {
     return l > 1e-12 ? angle_of(l, a, b) * dot(c, n) / l : 0.0;
 }
 
-// Where the line through a and b meets the horizon of n; a where it runs along it.
+// [own]  Where the line through a and b meets the horizon of n; a where it runs along it.
 vec3 horizon_point(vec3 a, vec3 b, vec3 n) {
     float z = dot(a, n);
     float fall = z - dot(b, n);
     return a + (fall != 0.0 ? z / fall : 0.0) * (b - a);
 }
 
-// `edge_factor` of the part of the edge above the horizon.
+// [own]  `edge_factor` of the part of the edge above the horizon.
 float clipped_edge_factor(vec3 a, vec3 b, vec3 n) {
     bool a_up = dot(a, n) >= 0.0;
     bool b_up = dot(b, n) >= 0.0;
@@ -35,7 +35,7 @@ float clipped_edge_factor(vec3 a, vec3 b, vec3 n) {
     return a_up || b_up ? edge_factor(a_up ? a : m, b_up ? b : m, n) : 0.0;
 }
 
-// The factor of a flat convex quadrilateral, counter-clockwise seen from the point; c = d makes it a triangle. The part
+// [own]  The factor of a flat convex quadrilateral, counter-clockwise seen from the point; c = d makes it a triangle. The part
 // below the horizon is cut off, and the edge along the horizon that closes the rest counts.
 float quad_factor(vec3 a, vec3 b, vec3 c, vec3 d, vec3 n) {
     vec4 z = vec4(dot(a, n), dot(b, n), dot(c, n), dot(d, n));

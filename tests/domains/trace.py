@@ -36,6 +36,31 @@ def sum_words(rng, count):
     return packed_sums(rng.random((count, 4)) * there, there)
 
 
+def seen_quads(name):
+    """Corners of flat convex quadrilaterals round a point, some across its horizon, none through the point; a fifth are
+    triangles. With a unit normal."""
+
+    def make(rng, count):
+        middle = rng.normal(size=(count, 3))
+        middle *= (rng.uniform(0.5, 3.0, count) / np.linalg.norm(middle, axis=1))[:, None]
+        u = rng.normal(size=(count, 3))
+        v = np.cross(u, rng.normal(size=(count, 3)))
+        u, v = (0.4 * w / np.linalg.norm(w, axis=1, keepdims=True) * rng.uniform(0.05, 1, (count, 1)) for w in (u, v))
+        corners = [middle - u - v, middle + u - v, middle + u + v, middle - u + v]
+        corners[3] = np.where(rng.random((count, 1)) < 0.2, corners[2], corners[3])
+        n = rng.normal(size=(count, 3))
+        values = dict(zip("abcd", corners, strict=True)) | {"n": n / np.linalg.norm(n, axis=1, keepdims=True)}
+        return {k: values[k] for k in name}
+
+    return make
+
+
+def angles(rng, count):
+    """Two vectors and the length of their cross product, as float32 have it."""
+    both = {k: v.astype(np.float32).astype(float) for k, v in seen_quads("ab")(rng, count).items()}
+    return both | {"l": np.linalg.norm(np.cross(both["a"], both["b"]), axis=1)}
+
+
 DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}
 DOMAINS |= {
     name: woven.DOMAINS[name]
@@ -128,7 +153,29 @@ SPECIAL = {
     ("clipped_box", "n"): lambda rng, count: np.eye(3)[rng.integers(0, 3, count)],
     ("clipped_box", "side"): choice(-1.0, 1.0),
 }
+
+
+def across_horizon(rng, count):
+    """Points above and below the horizon of a unit normal."""
+    values = seen_quads("abn")(rng, count)
+    for k, sign in (("a", 1), ("b", -1)):
+        z = (values[k] * values["n"]).sum(1, keepdims=True)
+        values[k] = values[k] + (sign * (0.1 + np.abs(z)) - z) * values["n"]
+    return values
+
+
+JOINT = {
+    "angle_of": angles,
+    "edge_factor": seen_quads("abn"),
+    "horizon_point": across_horizon,
+    "clipped_edge_factor": seen_quads("abn"),
+    "quad_factor": seen_quads("abcdn"),
+}
 TOLERANCE = {
+    # The cross product of nearly parallel corners cancels; factors are shares of 1.
+    "edge_factor": (1e-4, 3e-6),
+    "clipped_edge_factor": (1e-4, 1e-5),
+    "quad_factor": (1e-4, 3e-6),
     # As T_sheet of glsl/woven.
     "straight_parts": (3e-5, 1e-5),
     # The root of a difference at the critical angle.

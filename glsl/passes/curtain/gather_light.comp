@@ -2,7 +2,7 @@
 // Irradiance of receivers: of the sky, and of what senders send, attenuated where the curtain is on the way.
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
-uniform samplerBuffer factors;    // by senders; negative: through the curtain
+uniform samplerBuffer factors;    // of four senders at a time, receiver by receiver; negative: through the curtain
 uniform samplerBuffer sent;
 uniform samplerBuffer sky_light;  // of each receiver
 layout(std430) writeonly buffer Received { vec4 received[]; };
@@ -10,18 +10,40 @@ uniform int receiver_count;
 uniform int sender_count;
 uniform vec3 passes;              // what the curtain lets straight through
 
+// Light of four senders by their factors.
+vec3 from_four(vec4 F, vec3 a, vec3 b, vec3 c, vec3 d) {
+    return F.x * (F.x < 0.0 ? -passes * a : a) + F.y * (F.y < 0.0 ? -passes * b : b)
+           + F.z * (F.z < 0.0 ? -passes * c : c) + F.w * (F.w < 0.0 ? -passes * d : d);
+}
+
+// An invocation takes four receivers, so that it reads what is sent once for all of them.
 void main() {
     int i = item();
-    if (i >= receiver_count) return;
-    vec3 here = vec3(0.0);
-    vec3 behind = vec3(0.0);
+    int share = (receiver_count + 3) / 4;
+    if (i >= share) return;
+    ivec4 r = i + share * ivec4(0, 1, 2, 3);
+    ivec4 read = min(r, receiver_count - 1);
+    vec3 sum_0 = vec3(0.0);
+    vec3 sum_1 = vec3(0.0);
+    vec3 sum_2 = vec3(0.0);
+    vec3 sum_3 = vec3(0.0);
+    int last = sender_count - 1;
     int k = 0;
     do {
-        float F = texelFetch(factors, k * receiver_count + i).r;
-        vec3 light = texelFetch(sent, k).rgb;
-        here += max(F, 0.0) * light;
-        behind += max(-F, 0.0) * light;
-        ++k;
+        // Behind the last sender factors are 0.
+        vec3 a = texelFetch(sent, k).rgb;
+        vec3 b = texelFetch(sent, min(k + 1, last)).rgb;
+        vec3 c = texelFetch(sent, min(k + 2, last)).rgb;
+        vec3 d = texelFetch(sent, min(k + 3, last)).rgb;
+        int row = (k >> 2) * receiver_count;
+        sum_0 += from_four(texelFetch(factors, row + read.x), a, b, c, d);
+        sum_1 += from_four(texelFetch(factors, row + read.y), a, b, c, d);
+        sum_2 += from_four(texelFetch(factors, row + read.z), a, b, c, d);
+        sum_3 += from_four(texelFetch(factors, row + read.w), a, b, c, d);
+        k += 4;
     } while (k < sender_count);
-    received[i] = vec4(texelFetch(sky_light, i).rgb + here + passes * behind, 0.0);
+    received[r.x] = vec4(texelFetch(sky_light, r.x).rgb + sum_0, 0.0);
+    if (r.y < receiver_count) received[r.y] = vec4(texelFetch(sky_light, r.y).rgb + sum_1, 0.0);
+    if (r.z < receiver_count) received[r.z] = vec4(texelFetch(sky_light, r.z).rgb + sum_2, 0.0);
+    if (r.w < receiver_count) received[r.w] = vec4(texelFetch(sky_light, r.w).rgb + sum_3, 0.0);
 }

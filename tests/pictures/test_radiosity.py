@@ -1,0 +1,262 @@
+"""Light around the curtain's room: form factors against closed forms, bounces against a furnace and photons, pictures."""
+
+import dataclasses
+
+import moderngl
+import numpy as np
+import pytest
+
+from glcloth.accel.queries import RayQueries
+from glcloth.accel.structure import make_structure
+from glcloth.accel.triangles import Triangles
+from glcloth.curtain.charts import OPEN, make_charts
+from glcloth.curtain.form_factors import FormFactors, Sheet, factor_steps
+from glcloth.curtain.room import Room, box, inside_out
+from glcloth.curtain.show import CurtainShow
+from glcloth.errors import InputError
+from glcloth.fabric import load_fabric
+from glcloth.light.environment import Environment
+from glcloth.scene import CurtainParameters, Scene
+from glcloth.twins.form_factor import quad_factor
+from glcloth.twins.random import cosine_direction
+
+FAR = Sheet(-0.1, 50.0, 0.1, 50.1, 99.0)  # a curtain that hides nothing
+CURTAIN = CurtainParameters(quads=(48, 12), pleats=4, settle=0.2)
+SMALL = Scene(size=(40, 40), curtain=CURTAIN, gi="radiosity", room="")
+DARK = Environment("dark", np.full((4, 8, 3), 1e-9, np.float32))
+
+
+def triangles_of(quads):
+    """[T, 3, 3] of quads."""
+    corners = np.array([corners for _, corners in quads])
+    return np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]], 1).reshape(-1, 3, 3).astype(np.float32)
+
+
+def factors_of(ctx: moderngl.Context, positions, cell=None, sheet=FAR) -> FormFactors:
+    """Form factors of triangles."""
+    triangles = Triangles.of(ctx, positions, 1)
+    structure = make_structure(ctx, "kdtree")
+    structure.build(triangles)
+    *_, factors = factor_steps(ctx, positions, structure, sheet, cell)
+    structure.release()
+    triangles.release()
+    return factors
+
+
+def test_closed_forms():
+    """From the middle of a face to a parallel and to a perpendicular unit square; integrated, Hottel's 0.1998 and 0.2000."""
+    n = np.array([0.0, 0.0, 1.0])
+    g = (np.arange(24) + 0.5) / 24
+    x, y = (a.ravel() for a in np.meshgrid(g, g))
+    points = np.stack([x, y, 0 * x], 1)
+    above = [np.array(c, float) - points for c in ((0, 0, 1), (0, 1, 1), (1, 1, 1), (1, 0, 1))]
+    assert quad_factor(*above, n).mean() == pytest.approx(0.19982, abs=5e-4)
+    wall = [np.array(c, float) - points for c in ((0, 0, 0), (0, 1, 0), (0, 1, 1), (0, 0, 1))]
+    assert quad_factor(*wall, n).mean() == pytest.approx(0.20004, abs=2e-3)
+    whole = [np.array(c, float) for c in ((-1e5, -1e5, 1), (-1e5, 1e5, 1), (1e5, 1e5, 1), (1e5, -1e5, 1))]
+    assert quad_factor(*whole, n) == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("over", [False, True], ids=["from within", "turned over"])
+def test_a_closed_room(ctx, over):
+    """Rows sum to 1, patches are reciprocal, and a furnace of rho 1/2 doubles the light; whichever way the faces are wound."""
+    quads = inside_out(box("grey", (0, 0, 0), (2, 1.5, 1)))
+    positions = triangles_of(quads)
+    f = factors_of(ctx, positions[:, ::-1].copy() if over else positions, 0.2)
+    charts = f.charts
+    P = len(charts.patches)
+    F = f.factors[:P, : len(charts.positions)].T.astype(float)
+    assert len(f.openings) == 0 and not charts.halves.any()
+    np.testing.assert_allclose(F.sum(1), 1.0, atol=0.02)
+    mean = np.zeros((P, len(F)))
+    mean[charts.patch_of, np.arange(len(F))] = charts.area
+    area = mean.sum(1)
+    exchange = mean @ F  # A_i F_ij
+    assert area.sum() == pytest.approx(2 * (3 + 2 + 1.5))
+    large = exchange > 0.02 * area[:, None]
+    np.testing.assert_allclose(exchange[large], exchange.T[large], rtol=0.1)
+    B = np.linalg.solve(np.eye(P) - 0.5 * exchange / area[:, None], np.ones(P))
+    np.testing.assert_allclose(B, 2.0, rtol=0.01)
+
+
+def test_lone_triangles_make_a_room_too(ctx):
+    """A tetrahedron, no two of whose triangles make a parallelogram: elements cover it, rows sum to 1."""
+    v = np.array([[0, 0, 0], [2, 0, 0], [0.3, 2, 0], [0.6, 0.7, 1.6]], np.float32)
+    f = factors_of(ctx, v[np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]])], 0.15)
+    N = len(f.charts.positions)
+    sides = f.charts.u, f.charts.v
+    assert f.charts.halves.all()
+    assert f.charts.area.sum() == pytest.approx(0.5 * np.linalg.norm(np.cross(*sides), axis=1).sum())
+    sums = f.factors[: len(f.charts.patches), :N].sum(0)
+    assert np.average(sums, weights=f.charts.area) == pytest.approx(1.0, abs=0.02)
+    source, weight = f.charts.texels(np.ones(N))
+    np.testing.assert_allclose(weight.sum(1), 1.0)
+    assert source.max() < N
+
+
+def test_too_many_parts_are_refused(monkeypatch):
+    """A room of many separate triangles: the message says how many are taken, and what to do; a little fewer are coarser."""
+    from glcloth.curtain import charts
+
+    rng = np.random.default_rng(1)
+    loose = 3 * rng.random((40, 1, 3)) + rng.random((40, 3, 3))
+    fine = make_charts(loose)
+    monkeypatch.setattr(charts, "MOST", 3600)
+    assert 40 <= len(make_charts(loose).positions) < len(fine.positions)
+    monkeypatch.setattr(charts, "MOST", 900)
+    with pytest.raises(InputError, match=r"at most 30.*--gi off"):
+        make_charts(loose)
+
+
+def test_factors_are_kept_on_disk(ctx, monkeypatch):
+    """The second time nothing is computed; a file that is damaged is made anew."""
+    from glcloth.curtain import form_factors
+    from glcloth.files import cache_dir
+
+    positions = triangles_of(inside_out(box("grey", (0, 0, 0), (1.0, 1.25, 1))))
+    first = factors_of(ctx, positions, 0.3).factors
+    with monkeypatch.context() as patched:
+        patched.setattr(form_factors, "_compute", lambda *_: pytest.fail("computed again"))
+        np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
+    for path in (cache_dir() / "factors").glob("*.npz"):
+        path.write_bytes(path.read_bytes()[:100])
+    np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
+
+
+@pytest.fixture(scope="module")
+def show(session_ctx):
+    with session_ctx:
+        one = CurtainShow(session_ctx, SMALL)
+    yield one
+    with session_ctx:
+        one.release()
+
+
+@pytest.fixture
+def as_it_was(ctx, show):
+    """The show, whose fabric, room and light a test may exchange."""
+    kept = show.scene, show.fabric, show.environment, show.radiosity.room
+    yield show
+    show.scene, show.fabric, show.environment, show.radiosity.room = kept
+    show.radiosity._system = type(show.radiosity._system)()
+
+
+def lit(show):
+    """Trace a picture; the light that came to the receivers."""
+    return show.picture(), show.radiosity.irradiance()
+
+
+def photons(ctx, show, count=60_000):
+    """Indirect light of the lamp on floor, ceiling, side and back walls without a curtain, W: by photons, an other method."""
+    rng = np.random.default_rng(4)
+    room = show.room
+    corners = room.positions.astype(float)
+    N = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    N /= np.linalg.norm(N, axis=1, keepdims=True)
+    lamp, intensity = np.array(show.scene.lamp_position), np.array(show.scene.lamp_intensity)
+    p = np.stack([rng.uniform(-1.1, 1.1, count), rng.uniform(0.4, 2.35, count), np.full(count, -0.14)], 1)
+    d = p - lamp
+    r = np.linalg.norm(d, axis=1, keepdims=True)
+    d /= r
+    flux = intensity * d[:, 2:] / r**2 * (2.2 * 1.95 / count)
+    o, triangles, structure = lamp + 0 * d, Triangles.of(ctx, room.positions, 1), make_structure(ctx, "kdtree")
+    structure.build(triangles)
+    queries, found = RayQueries(ctx), np.zeros((len(corners), 3))
+    t_min = r[:, 0] - 1e-3
+    for event in range(30):
+        hits = queries.closest_hit(structure, o, d, t_min)
+        met = hits.triangle >= 0
+        o, d, flux, at = o[met], d[met], flux[met], hits.triangle[met]
+        p = o + hits.t[met, None] * d
+        n = N[at] * np.where((N[at] * d).sum(1, keepdims=True) > 0, -1.0, 1.0)
+        if event:
+            for c in range(3):
+                found[:, c] += np.bincount(at, flux[:, c], len(found))
+        flux = flux * room.reflectances[room.material[at]]
+        x = np.cross(np.where(np.abs(n[:, :1]) > 0.7, [0.0, 1, 0], [1.0, 0, 0]), n)
+        x /= np.linalg.norm(x, axis=1, keepdims=True)
+        k = cosine_direction(rng.random((len(n), 2)))
+        o, d, t_min = p + 2e-4 * n, k[:, :1] * x + k[:, 1:2] * np.cross(n, x) + k[:, 2:] * n, 0.0
+    for thing in (queries, structure, triangles):
+        thing.release()
+    return found
+
+
+def test_against_photons(ctx, as_it_was):
+    """A curtain that is not there, before a dark sky: indirect light of floor, ceiling and three walls is that of photons."""
+    show = as_it_was
+    voile = load_fabric("sheer_voile")
+    clear = voile.transmission.model_copy(update={"rho": 0.0, "k_a": 1.0})
+    yarns = [yarn.model_copy(update={"albedo": (0.0, 0.0, 0.0), "k_d": 0.0, "eta": 1.0001}) for yarn in voile.yarn]
+    show.fabric, show.environment = voile.model_copy(update={"transmission": clear, "yarn": tuple(yarns)}), DARK
+    _, E = lit(show)
+    factors = show.radiosity.factors
+    charts = factors.charts
+    open_ = factors.openness() >= OPEN
+    P = photons(ctx, show)
+    large = np.argsort(-np.linalg.norm(np.cross(charts.u, charts.v), axis=1))[:5]
+    for k in large:
+        own = charts.element_chart == k
+        ours = (E[: len(own)] * (charts.area * open_)[:, None])[own].sum(0)
+        np.testing.assert_allclose(ours, P[charts.chart_of == k].sum(0), rtol=0.06)
+
+
+def test_colours_bleed(as_it_was):
+    """Green walls turn the ceiling green; cloth that lets red light through reddens the floor behind the window."""
+    show = as_it_was
+    plain, E = lit(show)
+    x, n = show.radiosity.factors.receivers
+    x, n, ceiling = x[: len(E)], n[: len(E)], (n[:, 1] < -0.9) & (x[:, 1] > 2.69)
+    voile = load_fabric("sheer_voile")
+    red = voile.transmission.model_copy(update={"tau": (0.15, 1.5, 1.5)})
+    show.fabric = voile.model_copy(update={"transmission": red})
+    _, R = lit(show)
+    floor = (n[:, 1] > 0.9) & (x[:, 1] < 0.01) & (x[:, 2] > 0.2) & (x[:, 2] < 0.9)
+    assert R[floor, 0].mean() / R[floor, 1].mean() > 1.3 * E[floor, 0].mean() / E[floor, 1].mean()
+    show.fabric = voile
+    room = show.radiosity.room
+    green = room.reflectances.copy()
+    green[room.names.index("plaster")] = (0.2, 0.7, 0.2)
+    show.radiosity.room = Room(room.positions, room.material, green, room.names)
+    show.radiosity._system = type(show.radiosity._system)()
+    _, G = lit(show)
+    assert G[ceiling, 1].mean() / G[ceiling, 0].mean() > 1.5 * E[ceiling, 1].mean() / E[ceiling, 0].mean()
+    assert np.isfinite(plain).all() and plain.min() >= 0
+
+
+@pytest.mark.parametrize(("fabric", "least"), [("sheer_voile", 0.3), ("blackout", 0.0)])
+def test_no_light_is_gained(as_it_was, fabric, least):
+    """The curtain as a sheet passes and scatters at most what comes; blackout lets nothing through."""
+    show = as_it_was
+    show.fabric = load_fabric(fabric)
+    show.build()
+    shot = dataclasses.replace(show.shot(), indirect={})
+    folds = show.radiosity.cloth.folds(show.tracer.inputs(shot), np.arange(0, show.triangles.count - 146, 5))
+    whole = folds.passes + folds.reflected + folds.transmitted
+    assert (whole < 1).all() and (whole > 0.1).all()
+    assert (folds.lamp >= 0).all() and (folds.lamp.sum(0) < 1).all()
+    assert folds.passes.min() >= least
+    if fabric == "blackout":  # but for ways round its rim
+        assert folds.passes.max() < 2e-3 and folds.transmitted.max() < 0.03
+
+
+def test_every_structure_finds_the_same_light(as_it_was):
+    """kdtree, lbvh and brute, which takes several dispatches, give the same picture."""
+    show = as_it_was
+    reference = show.picture()
+    for accelerator in ("lbvh", "brute"):
+        show.scene = SMALL.changed(accelerator=accelerator)
+        np.testing.assert_array_equal(show.picture(), reference)
+
+
+def test_no_frame_remembers_another(ctx, as_it_was):
+    """Frame 2 after frames 0 and 1 is frame 2 at once, bit for bit; off and on again changes nothing; even light does not
+    count."""
+    show = as_it_was
+    show.picture()
+    *_, last = show.frames(3)
+    with CurtainShow(ctx, SMALL.changed(gi="off", ambient=(5.0, 5.0, 5.0))) as other:
+        (even,) = other.frames(3, start=2)
+        assert other.change(SMALL.changed(ambient=(5.0, 5.0, 5.0)))
+        np.testing.assert_array_equal(other.picture(), last)
+        assert even.mean() > 2 * last.mean()
