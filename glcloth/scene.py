@@ -96,6 +96,26 @@ class View(Value):
         return numbers
 
 
+class ClothMap(Value):
+    """A picture over the UVs of cloth, which repeats; its upper edge is at growing v."""
+
+    file: str = about("", "PNG, JPEG, OpenEXR or Radiance picture", min_length=1)
+    repeat: float = about(
+        "", "how much of the cloth one repeat covers, along u; in metres it keeps its proportions along v",
+        default=1.0, gt=0, le=1e6,
+    )  # fmt: skip
+    unit: Literal["uv", "m"] = about("", "of the repeat: UV units, where it is as high as wide, or metres", default="uv")
+
+
+class PrintMap(ClothMap):
+    """A print: what it multiplies the colours of the yarns by."""
+
+    model_config = ConfigDict(title="print")
+
+    space: Literal["srgb", "linear"] = about(
+        "", "of the codes in a PNG or JPEG: sRGB, or linear; OpenEXR and Radiance are always linear", default="srgb")  # fmt: skip
+
+
 class Bookmark(Value):
     """A camera under a name."""
 
@@ -184,6 +204,11 @@ class Scene(Value):
         "m", "length of a UV unit of the mesh, for the size of threads; 0: measured", default=0.0, ge=0, le=1000)
     mesh: str | tuple[str, ...] = cloth(
         "", "built-in mesh or a file (.obj .ply .glb .gltf); repeatable", default="drape", file=True, repeat=True)
+    print: PrintMap | None = cloth(
+        "", "a picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; "
+        "repeatable", default=None, file=True, repeat=True)
+    prints: dict[str, PrintMap] = cloth(
+        "", "a table: PART = a table as print", default_factory=dict, option=False, file=True)
     objects: tuple[str, ...] = cloth(
         "", "mesh that stands by the cloth, in its own colours; behind it @x,y,z,scale,turn (metres, factor, degrees about "
         "+Y), as many as are needed; repeatable", default=(), option="--object", file=True, repeat=True)
@@ -318,6 +343,16 @@ class Scene(Value):
                 Place.of(split_place(text)[1])
         return value
 
+    @field_validator("print", mode="before")
+    @classmethod
+    def _print(cls, value):
+        return {"file": value} if isinstance(value, str) else value
+
+    @field_validator("prints", mode="before")
+    @classmethod
+    def _prints(cls, value):
+        return {part: cls._print(one) for part, one in value.items()} if isinstance(value, dict) else value
+
     @field_validator("mesh", mode="before")
     @classmethod
     def _meshes(cls, value):
@@ -428,6 +463,8 @@ def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
     def changed(value: Any) -> Any:
         if isinstance(value, list):
             return [changed(part) for part in value]
+        if isinstance(value, dict) and isinstance(value.get("file"), str):  # of a ClothMap
+            return {**value, "file": change(value["file"])}
         if not isinstance(value, str) or not value:
             return value
         name, place = split_place(value)
@@ -437,7 +474,7 @@ def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
     for entry in entries(Scene):
         if entry.file and entry.name in data:
             value = data[entry.name]
-            table = entry.name == "fabrics" and isinstance(value, dict)
+            table = entry.name in ("fabrics", "prints") and isinstance(value, dict)
             out[entry.name] = {part: changed(v) for part, v in value.items()} if table else changed(value)
     return out
 

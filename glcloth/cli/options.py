@@ -14,21 +14,37 @@ if TYPE_CHECKING:
     from ..scene import Scene, View
 
 
-def _fabrics(given: list[str], scene: Scene) -> dict[str, Any]:
-    """The fields that FABRIC and PART=FABRIC change; a file with an = in its name is itself."""
+def _of_parts(option: str, given: list[str], example: str) -> tuple[str | None, dict[str, str]]:
+    """The values of an option that takes VALUE and PART=VALUE; a file with an = in its name is itself."""
     parts = [text.partition("=") for text in given if "=" in text and not Path(text).is_file()]
     plain = [text for text in given if "=" not in text or Path(text).is_file()]
     if len(set(plain)) > 1:
         raise InputError(
-            f"--fabric {plain[0]} --fabric {plain[1]}: expected one for all cloth; for a part say PART={plain[1]}"
+            f"--{option} {plain[0]} --{option} {plain[1]}: expected one for all cloth; for a part say PART={plain[1]}"
         )
-    changes: dict[str, Any] = {"fabric": plain[0]} if plain else {}
-    for part, _, fabric in parts:
-        if not part or not fabric:
-            raise InputError(f"--fabric {part}={fabric}: expected PART=FABRIC, such as Lining=voile")
-    if parts:
-        named = {part: fabric for part, _, fabric in parts}
-        changes["fabrics"] = {**scene.fabrics, **named}
+    for part, _, value in parts:
+        if not part or not value:
+            raise InputError(f"--{option} {part}={value}: expected PART={option.upper()}, such as {example}")
+    return plain[0] if plain else None, {part: value for part, _, value in parts}
+
+
+def _fabrics(given: list[str], scene: Scene) -> dict[str, Any]:
+    """The fields that FABRIC and PART=FABRIC change."""
+    of_all, of_parts = _of_parts("fabric", given, "Lining=voile")
+    changes: dict[str, Any] = {} if of_all is None else {"fabric": of_all}
+    return changes | ({"fabrics": {**scene.fabrics, **of_parts}} if of_parts else {})
+
+
+def _prints(given: list[str], look: dict[str, Any], scene: Scene) -> dict[str, Any]:
+    """The fields that FILE and PART=FILE change; `look`: repeat, unit and space of them all, or of the scene's print."""
+    of_all, of_parts = _of_parts("print", given, "Skirt=roses.png")
+    changes: dict[str, Any] = {"print": {"file": of_all, **look}} if of_all is not None else {}
+    if of_parts:
+        changes["prints"] = {**scene.prints, **{part: {"file": file, **look} for part, file in of_parts.items()}}
+    if look and not changes:
+        if scene.print is None:
+            raise InputError(f"--print-{next(iter(look))}: there is no print; give --print FILE too")
+        changes["print"] = scene.print.changed(**look)
     return changes
 
 
@@ -40,6 +56,8 @@ def scene_of(name: str | None, options: SceneOptions | None = None, **changes: A
     changes = {key: value for key, value in {**given, **changes}.items() if value is not None}
     scene = load_scene(name) if name else Scene()
     changes |= _fabrics(changes.pop("fabric", []), scene)
+    look = {key: changes.pop(f"print_{key}") for key in ("repeat", "unit", "space") if f"print_{key}" in changes}
+    changes |= _prints(changes.pop("print", []), look, scene)
     table = {key: changes.pop(key) for key in CurtainParameters.model_fields if key in changes}
     if table and scene.curtain is None:
         raise InputError(f"--{next(iter(table))}: belongs to the curtain; give its scene: glcloth render curtain")

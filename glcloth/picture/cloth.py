@@ -14,6 +14,7 @@ from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Compute, Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
+from ..methods.albedo import diffuse_albedo
 from ..methods.method import Method
 from ..methods.registry import make_method
 from ..tracing.energy import reflection_limit
@@ -26,6 +27,7 @@ from ..visibility.vertices import FLAT
 from .adaptive import AdaptiveRate, Shown
 from .frame import Cloth, Frame
 from .pace import Pace
+from .prints import Print
 from .surface import Surface
 from .threads import Threads
 
@@ -45,6 +47,10 @@ class ClothSurface(Surface):
         self._finer: Last[Mesh] = Last()
         self._passed: Last[Passed] = Last()
         self._limit: Last[float] = Last()
+        self._mean: Last[np.ndarray] = Last()  # of the print
+        self._dyed: Last[Fabric] = Last()
+        self._glare: Last[np.ndarray] = Last()
+        self._print: tuple[Print, np.ndarray] | None = None
         self.adaptive_rate: AdaptiveRate | None = None
         self.threads = Threads(ctx)
 
@@ -60,9 +66,10 @@ class ClothSurface(Surface):
         `finer`: the mesh is drawn with more vertices, for the sake of its shadows.
         """
         scene = frame.scene
-        self.scene_buffers.prepare(cloth.fabric, frame.lights)
+        fabric = self._printed(cloth, frame)
+        self.scene_buffers.prepare(fabric, frame.lights)
         self.method = self.named_method(scene.method)
-        self.method.prepare(cloth.fabric, frame.lights, frame.settings)
+        self.method.prepare(fabric, frame.lights, frame.settings)
         self.passes = list(self.method.passes())
         self.pass_count = len(self.passes)
         self.original = cloth.mesh
@@ -72,7 +79,17 @@ class ClothSurface(Surface):
         drawn = self._finer.get(lambda: subdivided(cloth.mesh), cloth.mesh) if finer else cloth.mesh
         self._place(lambda: self._uploaded(drawn, cloth.mesh), drawn)
         self._take_transmission(cloth.fabric, frame)
-        self.threads.prepare(cloth.fabric, self.method, self.buffers, frame)
+        self.threads.prepare(fabric, self.method, self.buffers, frame, self._print)
+
+    def _printed(self, cloth: Cloth, frame: Frame) -> Fabric:
+        """The fabric, dyed in the mean of what is printed on it."""
+        self._print, self._fabric = None, cloth.fabric
+        if cloth.print is None:
+            return cloth.fabric
+        scale = self.threads.unit(cloth.mesh, frame) if cloth.print.in_metres else 1.0
+        mean = self._mean.get(lambda: cloth.print.mean_on(cloth.mesh, scale), cloth.print, cloth.mesh, scale)
+        self._print, self._scale = (cloth.print, mean), scale
+        return self._dyed.get(lambda: cloth.fabric.dyed(tuple(mean.tolist())), cloth.fabric, mean)
 
     def _take_transmission(self, fabric: Fabric, frame: Frame) -> None:
         """Where light passes through the fabric: how much evenly, whether straight on, and what is left to reflect."""
@@ -100,6 +117,16 @@ class ClothSurface(Surface):
     def reflectance(self) -> np.ndarray:
         return self.visibility.furnace.albedo(self.scene_buffers) * self.visibility.limit
 
+    def albedo_at(self, triangles: np.ndarray, uv: np.ndarray) -> np.ndarray:
+        if self._print is None:
+            return super().albedo_at(triangles, uv)
+        # What a fabric reflects is linear in a colour that all its yarns have in common.
+        design, mean = self._print
+        black, dyed = self._fabric.dyed((0.0, 0.0, 0.0)), self.scene_buffers.fabric
+        share = self._glare.get(lambda: diffuse_albedo(black) / np.maximum(diffuse_albedo(dyed), 1e-9), dyed)
+        ratio = design.at(uv * self._scale) / np.where(mean > 0.0, mean, 1.0)
+        return self.reflectance * (share + (1.0 - share) * ratio)
+
     # -- shading -----------------------------------------------------------------------------------------------------
 
     def _virtual(self) -> dict[str, str]:
@@ -113,7 +140,7 @@ class ClothSurface(Surface):
 
     def woven_program(self, buffer: GBuffer) -> Draw:
         """As `program`, for pixels that show threads."""
-        virtual = {**self._virtual(), "inputs/methods/threads.glsl": "inputs/methods/weave.glsl"}
+        virtual = {**self._virtual(), "inputs/methods/threads.glsl": self.threads.source}
         defines = {**self.threads.defines(self.method), **buffer.defines()}
         return programs(self.ctx).screen("passes/picture/shade.frag", defines, virtual)
 
@@ -149,7 +176,7 @@ class ClothSurface(Surface):
         buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=near)
 
     def straight_program(self, buffer: GBuffer) -> Draw:
-        if not self.threads.shown:
+        if not self.threads.woven:
             return super().straight_program(buffer)
         return programs(self.ctx).screen("passes/picture/left.frag", self.threads.defines(self.method), WOVEN_HOLES)
 
@@ -169,7 +196,8 @@ class ClothSurface(Surface):
         virtual = {"behind.glsl": self.method.behind, **self.method.behind_includes()}
         defines = {**(self.method.defines() if sums else {}), **buffer.defines()}
         if self.threads.shown:
-            virtual, defines = {**virtual, **WOVEN_HOLES}, {**self.threads.defines(self.method), **defines}
+            holes = WOVEN_HOLES if self.threads.woven else {}
+            virtual, defines = {**virtual, **holes}, {**self.threads.defines(self.method), **defines}
         program = programs(self.ctx).screen("passes/picture/through.frag", defines, virtual)
         if sums:
             light = {**self.method.inputs(), **view.drawn_inputs(), **self.passes[number]}
@@ -196,7 +224,7 @@ class ClothSurface(Surface):
         defines = self.threads.defines(self.method)
         groups, lanes = self.method.woven_packing()
         terms = {**self.method.defines(), "TERMS": 1, "LANE_COUNT": lanes}
-        woven = {"inputs/methods/threads.glsl": "inputs/methods/weave.glsl"}
+        woven = {"inputs/methods/threads.glsl": self.threads.source}
         virtual = {**self._virtual(), "inputs/methods/threads.glsl": "inputs/methods/terms.glsl"}
         return Shown(
             near,

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from ..errors import InputError
 from ..fabric import Fabric
 from ..geometry.mesh import Mesh, relative_to
 from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh
@@ -12,14 +13,16 @@ from ..geometry.parts import chosen, grouped
 from ..geometry.placing import METRES, guessed_unit, placed
 from ..gpu.memo import Last
 from ..progress import warn
+from .prints import Print
 
 
 @dataclass(frozen=True, eq=False)
 class Cloth:
-    """One cloth of a frame: a mesh and its fabric."""
+    """One cloth of a frame: a mesh, its fabric, and what is printed on that."""
 
     mesh: Mesh
     fabric: Fabric
+    print: Print | None = None
 
 
 def unit_of(names: Sequence[str], meshes: Sequence[Mesh], units: str) -> str:
@@ -46,22 +49,41 @@ class Dressing:
     def __init__(self) -> None:
         self._grouped: Last[list[tuple[int, Mesh]]] = Last()
 
-    def dress(self, meshes: tuple[Mesh, ...], fabric: Fabric, fabrics: Mapping[str, Fabric]) -> tuple[Cloth, ...]:
+    def dress(
+        self,
+        meshes: tuple[Mesh, ...],
+        fabric: Fabric,
+        fabrics: Mapping[str, Fabric],
+        print: Print | None = None,
+        prints: Mapping[str, Print] | None = None,
+    ) -> tuple[Cloth, ...]:
         """The cloths of meshes.
 
         Parameters
         ----------
         fabric : of the parts that nothing in `fabrics` names
         fabrics : by patterns of parts' names
+        print, prints : likewise
 
-        Raises InputError for a pattern that fits no part.
+        Raises InputError for a pattern that fits no part, and for a print on a mesh without UVs.
         """
-        wardrobe = [fabric, *fabrics.values()]
+        prints = prints or {}
+        wardrobe, designs = [fabric, *fabrics.values()], [print, *prints.values()]
         # Equal fabrics are one: the first of them.
         first = [next(i for i, other in enumerate(wardrobe) if other is one or other == one) for one in wardrobe]
-        groups = tuple(tuple(first[n + 1] for n in of) for of in chosen(meshes, list(fabrics)))
+        worn, printed = chosen(meshes, list(fabrics)), chosen(meshes, list(prints), "prints")
+        groups = tuple(
+            tuple(first[n + 1] * len(designs) + m + 1 for n, m in zip(*of, strict=True))
+            for of in zip(worn, printed, strict=True)
+        )
         pieces = self._grouped.get(lambda: grouped(meshes, groups), meshes, groups)
-        return tuple(Cloth(mesh, wardrobe[number]) for number, mesh in pieces)
+        kinds = [(mesh, *divmod(number, len(designs))) for number, mesh in pieces]
+        for mesh, _, design in kinds:
+            if designs[design] is not None and mesh.uv is None:
+                raise InputError(
+                    f"print: mesh {mesh.name} has no UVs, expected some; unwrap it, or print on other parts: PART=FILE"
+                )
+        return tuple(Cloth(mesh, wardrobe[number], designs[design]) for mesh, number, design in kinds)
 
 
 def load_meshes(names: Sequence[str], units: str = "auto") -> tuple[tuple[Mesh, ...], str]:

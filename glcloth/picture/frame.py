@@ -25,9 +25,10 @@ from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..light.lights_file import load_lights
 from ..methods.settings import Settings
 from ..place import split_place
-from ..scene import Scene, View, load_scene
+from ..scene import PrintMap, Scene, View, load_scene
 from ..visibility.pixels import is_next_pose
 from .cloths import Cloth, Dressing, in_metres, unit_of
+from .prints import Print, load_print
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +151,16 @@ class Frames:
     def _dressed(self, scene: Scene, meshes: tuple[Mesh, ...], fabric: Fabric | str | None) -> tuple[Cloth, ...]:
         """The cloths of a scene, or ones with another fabric where it names none for a part."""
         of_parts = {part: self.fabric(one) for part, one in scene.fabrics.items()}
-        return self._dressing.dress(meshes, self.fabric(scene.fabric if fabric is None else fabric), of_parts)
+        own = self.fabric(scene.fabric if fabric is None else fabric)
+        prints = {part: self._print(one, part) for part, one in scene.prints.items()}
+        of_all = None if scene.print is None else self._print(scene.print, "")
+        return self._dressing.dress(meshes, own, of_parts, of_all, prints)
+
+    def _print(self, entry: PrintMap, part: str) -> Print:
+        """The print of a part; the last one of each is kept until it or its file changes."""
+        last = self._files.setdefault((load_print, part), Last())
+        values = tuple(getattr(entry, name) for name in type(entry).model_fields)
+        return last.get(lambda: load_print(entry), values, _stamp(entry.file))
 
     def _lights(self, scene: Scene, environment: Environment) -> Lights:
         """The lights of a scene, turned with its environment."""
