@@ -41,6 +41,7 @@ CURTAIN = {"fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (6
 option = partial(about, option=True)
 cloth, curtain = partial(option, of="cloth"), partial(option, of="curtain")
 direct, paper, reference, path = (partial(option, of=method) for method in ("direct", "paper", "reference", "path"))
+MAPS = {"print": "prints", "opacity": "opacities"}  # of all cloth, and of its parts
 KINDS = {"cloth": "cloth under an environment", "curtain": "the curtain"}
 
 
@@ -104,7 +105,9 @@ class ClothMap(Value):
         "", "how much of the cloth one repeat covers, along u; in metres it keeps its proportions along v",
         default=1.0, gt=0, le=1e6,
     )  # fmt: skip
-    unit: Literal["uv", "m"] = about("", "of the repeat: UV units, where it is as high as wide, or metres", default="uv")
+    unit: Literal["uv", "m"] = about(
+        "", "of the repeat: UV units, where it is as high as wide, or metres", default="uv"
+    )
 
 
 class PrintMap(ClothMap):
@@ -114,6 +117,12 @@ class PrintMap(ClothMap):
 
     space: Literal["srgb", "linear"] = about(
         "", "of the codes in a PNG or JPEG: sRGB, or linear; OpenEXR and Radiance are always linear", default="srgb")  # fmt: skip
+
+
+class OpacityMap(ClothMap):
+    """Where cloth is: the alpha of a picture that has some, else its codes, as they are; 0 is open."""
+
+    model_config = ConfigDict(title="opacity")
 
 
 class Bookmark(Value):
@@ -209,6 +218,11 @@ class Scene(Value):
         "repeatable", default=None, file=True, repeat=True)
     prints: dict[str, PrintMap] = cloth(
         "", "a table: PART = a table as print", default_factory=dict, option=False, file=True)
+    opacity: OpacityMap | None = cloth(
+        "", "a picture that says where cloth is, over the UVs: black is open; a table in files; PART=FILE for a part alone; "
+        "repeatable", default=None, file=True, repeat=True)
+    opacities: dict[str, OpacityMap] = cloth(
+        "", "a table: PART = a table as opacity", default_factory=dict, option=False, file=True)
     objects: tuple[str, ...] = cloth(
         "", "mesh that stands by the cloth, in its own colours; behind it @x,y,z,scale,turn (metres, factor, degrees about "
         "+Y), as many as are needed; repeatable", default=(), option="--object", file=True, repeat=True)
@@ -343,15 +357,15 @@ class Scene(Value):
                 Place.of(split_place(text)[1])
         return value
 
-    @field_validator("print", mode="before")
+    @field_validator("print", "opacity", mode="before")
     @classmethod
-    def _print(cls, value):
+    def _map(cls, value):
         return {"file": value} if isinstance(value, str) else value
 
-    @field_validator("prints", mode="before")
+    @field_validator("prints", "opacities", mode="before")
     @classmethod
-    def _prints(cls, value):
-        return {part: cls._print(one) for part, one in value.items()} if isinstance(value, dict) else value
+    def _maps(cls, value):
+        return {part: cls._map(one) for part, one in value.items()} if isinstance(value, dict) else value
 
     @field_validator("mesh", mode="before")
     @classmethod
@@ -474,7 +488,7 @@ def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
     for entry in entries(Scene):
         if entry.file and entry.name in data:
             value = data[entry.name]
-            table = entry.name in ("fabrics", "prints") and isinstance(value, dict)
+            table = entry.name in ("fabrics", "prints", "opacities") and isinstance(value, dict)
             out[entry.name] = {part: changed(v) for part, v in value.items()} if table else changed(value)
     return out
 

@@ -15,7 +15,7 @@ from ..fabric import Fabric, Transmission, Yarn
 from ..fields import Entry, Value, entries
 from ..files import PACKAGE
 from ..light.lights_file import FORMAT
-from ..scene import CURTAIN, CurtainParameters, PrintMap, Scene, View, kind_of
+from ..scene import CURTAIN, CurtainParameters, OpacityMap, PrintMap, Scene, View, kind_of
 from ..weave.model import Irregularity, Stripe, Weave
 
 DOCS = PACKAGE.parent / "docs"
@@ -38,6 +38,7 @@ def scene_document() -> str:
         f"A curtain begins with {first}.",
         _table("The table `camera`", entries(View)),
         _table("The table `print`, and each of `prints`", map_options("print", PrintMap)),
+        _table("The table `opacity`, and each of `opacities`", map_options("opacity", OpacityMap)),
         _table("The table `curtain`", entries(CurtainParameters)),
     ]
     return "\n\n".join(parts) + "\n"
@@ -163,9 +164,11 @@ def scene_options() -> str:
                 name += 'negative="", ' if several else ""
                 text = _help(entry, "curtain" if model is CurtainParameters else entry.of)
                 lines.append(f'    {entry.name}: Annotated[{kind} | None, Parameter({name}help="{text}")] = None')
-    for entry in map_options("print", PrintMap)[1:]:
-        kind, text = _type(PrintMap.model_fields[entry.name].annotation), "Print: " + _help(entry, "")
-        lines.append(f'    print_{entry.name}: Annotated[{kind} | None, Parameter(help="{text}")] = None')
+    for field, of_map in (("print", PrintMap), ("opacity", OpacityMap)):
+        for entry in map_options(field, of_map)[1:]:
+            kind = _type(of_map.model_fields[entry.name].annotation)
+            text = f"{field.capitalize()}: {_help(entry, '')}"
+            lines.append(f'    {field}_{entry.name}: Annotated[{kind} | None, Parameter(help="{text}")] = None')
     return "\n".join(lines) + "\n"
 
 

@@ -35,29 +35,38 @@ def _fabrics(given: list[str], scene: Scene) -> dict[str, Any]:
     return changes | ({"fabrics": {**scene.fabrics, **of_parts}} if of_parts else {})
 
 
-def _prints(given: list[str], look: dict[str, Any], scene: Scene) -> dict[str, Any]:
-    """The fields that FILE and PART=FILE change; `look`: repeat, unit and space of them all, or of the scene's print."""
-    of_all, of_parts = _of_parts("print", given, "Skirt=roses.png")
-    changes: dict[str, Any] = {"print": {"file": of_all, **look}} if of_all is not None else {}
+def _maps(field: str, changes: dict[str, Any], scene: Scene) -> dict[str, Any]:
+    """The fields that FILE and PART=FILE of a map of the cloth change; the other options of that map, which are taken out of
+    `changes`, are those of all these files, or of the scene's own."""
+    from ..scene import MAPS
+
+    given = changes.pop(field, [])
+    look = {
+        name: changes.pop(f"{field}_{name}") for name in ("repeat", "unit", "space") if f"{field}_{name}" in changes
+    }
+    of_all, of_parts = _of_parts(field, given, "Skirt=roses.png")
+    own = getattr(scene, field)
+    out: dict[str, Any] = {} if of_all is None else {field: {"file": of_all, **look}}
     if of_parts:
-        changes["prints"] = {**scene.prints, **{part: {"file": file, **look} for part, file in of_parts.items()}}
-    if look and not changes:
-        if scene.print is None:
-            raise InputError(f"--print-{next(iter(look))}: there is no print; give --print FILE too")
-        changes["print"] = scene.print.changed(**look)
-    return changes
+        named = {part: {"file": file, **look} for part, file in of_parts.items()}
+        out[MAPS[field]] = {**getattr(scene, MAPS[field]), **named}
+    if look and not out:
+        if own is None:
+            raise InputError(f"--{field}-{next(iter(look))}: there is no {field}; give --{field} FILE too")
+        out[field] = own.changed(**look)
+    return out
 
 
 def scene_of(name: str | None, options: SceneOptions | None = None, **changes: Any) -> Scene:
     """The scene of a command: a name or file, and the options that were given. Raises InputError."""
-    from ..scene import CurtainParameters, Scene, View, load_scene
+    from ..scene import MAPS, CurtainParameters, Scene, View, load_scene
 
     given = {} if options is None else {field.name: getattr(options, field.name) for field in fields(options)}
     changes = {key: value for key, value in {**given, **changes}.items() if value is not None}
     scene = load_scene(name) if name else Scene()
     changes |= _fabrics(changes.pop("fabric", []), scene)
-    look = {key: changes.pop(f"print_{key}") for key in ("repeat", "unit", "space") if f"print_{key}" in changes}
-    changes |= _prints(changes.pop("print", []), look, scene)
+    for field in MAPS:
+        changes |= _maps(field, changes, scene)
     table = {key: changes.pop(key) for key in CurtainParameters.model_fields if key in changes}
     if table and scene.curtain is None:
         raise InputError(f"--{next(iter(table))}: belongs to the curtain; give its scene: glcloth render curtain")

@@ -26,6 +26,7 @@ from ..visibility.sheets import Passed, sees_through
 from ..visibility.vertices import FLAT
 from .adaptive import AdaptiveRate, Shown
 from .frame import Cloth, Frame
+from .openings import Opacity, OpacityTexture, open_last
 from .pace import Pace
 from .prints import Print
 from .surface import Surface
@@ -51,6 +52,8 @@ class ClothSurface(Surface):
         self._dyed: Last[Fabric] = Last()
         self._glare: Last[np.ndarray] = Last()
         self._print: tuple[Print, np.ndarray] | None = None
+        self._open: Last[tuple[Mesh, int]] = Last()
+        self._opacity = OpacityTexture(ctx)
         self.adaptive_rate: AdaptiveRate | None = None
         self.threads = Threads(ctx)
 
@@ -72,23 +75,24 @@ class ClothSurface(Surface):
         self.method.prepare(fabric, frame.lights, frame.settings)
         self.passes = list(self.method.passes())
         self.pass_count = len(self.passes)
-        self.original = cloth.mesh
+        self.original, self._hiding, scale = self._opened(cloth, frame)
         self.adaptive = scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1
         yarns = cloth.fabric.yarn
         self._narrowest = float(np.radians(min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in yarns)))
-        drawn = self._finer.get(lambda: subdivided(cloth.mesh), cloth.mesh) if finer else cloth.mesh
-        self._place(lambda: self._uploaded(drawn, cloth.mesh), drawn)
+        mesh = self.original
+        drawn = self._finer.get(lambda: subdivided(mesh), mesh) if finer else mesh
+        self._place(lambda: self._uploaded(drawn, mesh, cloth.opacity, scale), drawn, cloth.opacity, scale)
         self._take_transmission(cloth.fabric, frame)
         self.threads.prepare(fabric, self.method, self.buffers, frame, self._print)
 
     def _printed(self, cloth: Cloth, frame: Frame) -> Fabric:
         """The fabric, dyed in the mean of what is printed on it."""
         self._print, self._fabric = None, cloth.fabric
-        if cloth.print is None:
+        if (design := cloth.print) is None:
             return cloth.fabric
-        scale = self.threads.unit(cloth.mesh, frame) if cloth.print.in_metres else 1.0
-        mean = self._mean.get(lambda: cloth.print.mean_on(cloth.mesh, scale), cloth.print, cloth.mesh, scale)
-        self._print, self._scale = (cloth.print, mean), scale
+        scale = self.threads.unit(cloth.mesh, frame) if design.in_metres else 1.0
+        mean = self._mean.get(lambda: design.mean_on(cloth.mesh, scale), design, cloth.mesh, scale)
+        self._print, self._scale = (design, mean), scale
         return self._dyed.get(lambda: cloth.fabric.dyed(tuple(mean.tolist())), cloth.fabric, mean)
 
     def _take_transmission(self, fabric: Fabric, frame: Frame) -> None:
@@ -102,8 +106,17 @@ class ClothSurface(Surface):
         self.visibility.limit = limit
         self.adaptive &= limit == 1.0  # its passes have no weight
 
-    def _uploaded(self, drawn: Mesh, original: Mesh) -> MeshBuffers:
-        return MeshBuffers(self.ctx, drawn, lift_off_facets(drawn, original) if drawn is not original else None)
+    def _opened(self, cloth: Cloth, frame: Frame) -> tuple[Mesh, int | None, float]:
+        """The mesh, how many of its triangles hide light, and what its UV unit is in the unit of its opacity map."""
+        if (opacity := cloth.opacity) is None:
+            return cloth.mesh, None, 1.0
+        scale = self.threads.unit(cloth.mesh, frame) if opacity.in_metres else 1.0
+        return *self._open.get(lambda: open_last(cloth.mesh, opacity, scale), cloth.mesh, opacity, scale), scale
+
+    def _uploaded(self, drawn: Mesh, original: Mesh, opacity: Opacity | None, scale: float) -> MeshBuffers:
+        lift = lift_off_facets(drawn, original) if drawn is not original else None
+        cut_out = None if opacity is None else self._opacity.cut_out(opacity, drawn, scale)
+        return MeshBuffers(self.ctx, drawn, lift, cut_out=cut_out)
 
     @property
     def broad(self) -> np.ndarray:
@@ -111,7 +124,7 @@ class ClothSurface(Surface):
 
     @property
     def hit_surface(self) -> HitSurface:
-        return HitSurface(self.mesh, self.original)
+        return HitSurface(self.mesh, self.original, hiding=self._hiding)
 
     @property
     def reflectance(self) -> np.ndarray:
@@ -122,8 +135,8 @@ class ClothSurface(Surface):
             return super().albedo_at(triangles, uv)
         # What a fabric reflects is linear in a colour that all its yarns have in common.
         design, mean = self._print
-        black, dyed = self._fabric.dyed((0.0, 0.0, 0.0)), self.scene_buffers.fabric
-        share = self._glare.get(lambda: diffuse_albedo(black) / np.maximum(diffuse_albedo(dyed), 1e-9), dyed)
+        black, dyed = self._fabric.dyed((0.0, 0.0, 0.0)), self._fabric.dyed(tuple(mean.tolist()))
+        share = self._glare.get(lambda: diffuse_albedo(black) / np.maximum(diffuse_albedo(dyed), 1e-9), self._fabric, mean)
         ratio = design.at(uv * self._scale) / np.where(mean > 0.0, mean, 1.0)
         return self.reflectance * (share + (1.0 - share) * ratio)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,10 +26,11 @@ from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..light.lights_file import load_lights
 from ..methods.settings import Settings
 from ..place import split_place
-from ..scene import PrintMap, Scene, View, load_scene
+from ..scene import MAPS, Scene, View, load_scene
 from ..visibility.pixels import is_next_pose
 from .cloths import Cloth, Dressing, in_metres, unit_of
-from .prints import Print, load_print
+from .openings import load_opacity
+from .prints import load_print
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,15 +154,19 @@ class Frames:
         """The cloths of a scene, or ones with another fabric where it names none for a part."""
         of_parts = {part: self.fabric(one) for part, one in scene.fabrics.items()}
         own = self.fabric(scene.fabric if fabric is None else fabric)
-        prints = {part: self._print(one, part) for part, one in scene.prints.items()}
-        of_all = None if scene.print is None else self._print(scene.print, "")
-        return self._dressing.dress(meshes, own, of_parts, of_all, prints)
+        maps = [self._maps(scene, field, load) for field, load in (("print", load_print), ("opacity", load_opacity))]
+        return self._dressing.dress(meshes, own, of_parts, *maps)
 
-    def _print(self, entry: PrintMap, part: str) -> Print:
-        """The print of a part; the last one of each is kept until it or its file changes."""
-        last = self._files.setdefault((load_print, part), Last())
-        values = tuple(getattr(entry, name) for name in type(entry).model_fields)
-        return last.get(lambda: load_print(entry), values, _stamp(entry.file))
+    def _maps(self, scene: Scene, field: str, load: Callable[[Any], Any]) -> dict[str, Any]:
+        """The maps of a field by the parts that have them, "" for the others; the last one of each is kept until it or its
+        file changes."""
+        of_all = {} if getattr(scene, field) is None else {"": getattr(scene, field)}
+        out = {}
+        for part, entry in (of_all | getattr(scene, MAPS[field])).items():
+            values = tuple(getattr(entry, name) for name in type(entry).model_fields)
+            last = self._files.setdefault((load, part), Last())
+            out[part] = last.get(partial(load, entry), values, _stamp(entry.file))
+        return out
 
     def _lights(self, scene: Scene, environment: Environment) -> Lights:
         """The lights of a scene, turned with its environment."""

@@ -41,7 +41,7 @@ class Print:
 
     def at(self, uv: np.ndarray) -> np.ndarray:
         """The colours [N, 3] at places [N, 2] in the units of the repeat, linear between texels."""
-        return _between(self.colors, uv / self.repeat)
+        return texel_means(self.colors, uv / self.repeat)
 
     def mean_on(self, mesh: Mesh, scale: float) -> np.ndarray:
         """The mean colour [3] on a mesh, whose UV unit is `scale` of the repeat's."""
@@ -51,18 +51,18 @@ class Print:
         p, uv = np.asarray(mesh.positions, float)[mesh.triangles], np.asarray(mesh.uv, float)[mesh.triangles]
         area = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
         places = np.nan_to_num(np.einsum("kc,tcd->ktd", CORNERS, uv)) * (scale / np.array(self.repeat))
-        values = _between(coarse, places.reshape(-1, 2)).reshape(len(CORNERS), -1, 3).mean(0)
+        values = texel_means(coarse, places).mean(0)
         return (area[:, None] * values).sum(0) / max(area.sum(), 1e-30)
 
 
-def _between(texels: np.ndarray, at: np.ndarray) -> np.ndarray:
+def texel_means(texels: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Texels [H, W, C] of a picture that repeats, at places [..., 2] in repeats, linear between them: [..., C]."""
     height, width = texels.shape[:2]
     place = (at % 1.0) * (width, height) - 0.5
     low = np.floor(place).astype(int)
-    x, y = (place - low).T[..., None]
-    (a, b), (c, d) = (
-        [texels[(low[:, 1] + j) % height, (low[:, 0] + i) % width] for i in (0, 1)] for j in (0, 1)
-    )  # fmt: skip
+    x, y = np.moveaxis(place - low, -1, 0)[..., None]
+    rows, columns = [(low[..., 1] + k) % height for k in (0, 1)], [(low[..., 0] + k) % width for k in (0, 1)]
+    (a, b), (c, d) = [[texels[row, column] for column in columns] for row in rows]
     return (1 - y) * ((1 - x) * a + x * b) + y * ((1 - x) * c + x * d)
 
 

@@ -69,7 +69,8 @@ class Threads:
         self.shown = self.woven or self.printed is not None
         if self.shown:
             mesh = buffers.mesh
-            self._in_metres = self.unit(mesh, frame) if self.woven or self.printed[0].in_metres else 1.0
+            in_metres = self.woven or (self.printed is not None and self.printed[0].in_metres)
+            self._in_metres = self.unit(mesh, frame) if in_metres else 1.0
             self._written.get(lambda: self._write(mesh, self._in_metres), mesh, self._in_metres)
             self._buffers, self._fabric = buffers, fabric
 
