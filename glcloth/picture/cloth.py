@@ -136,7 +136,9 @@ class ClothSurface(Surface):
         # What a fabric reflects is linear in a colour that all its yarns have in common.
         design, mean = self._print
         black, dyed = self._fabric.dyed((0.0, 0.0, 0.0)), self._fabric.dyed(tuple(mean.tolist()))
-        share = self._glare.get(lambda: diffuse_albedo(black) / np.maximum(diffuse_albedo(dyed), 1e-9), self._fabric, mean)
+        share = self._glare.get(
+            lambda: diffuse_albedo(black) / np.maximum(diffuse_albedo(dyed), 1e-9), self._fabric, mean
+        )
         ratio = design.at(uv * self._scale) / np.where(mean > 0.0, mean, 1.0)
         return self.reflectance * (share + (1.0 - share) * ratio)
 

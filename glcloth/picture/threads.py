@@ -131,7 +131,15 @@ class Threads:
         weave = self._fabric.weave
         relief = {"RELIEF": 1} if self.woven and weave is not None and weave.relief else {}
         ink = {} if self.printed is None else {"PRINT": 1}
-        return {**method.defines(), "WEAVE": 1, "GROUPS": groups, "LANE_COUNT": lanes, "EACH_GROUP(F)": each, **relief, **ink}
+        return {
+            **method.defines(),
+            "WEAVE": 1,
+            "GROUPS": groups,
+            "LANE_COUNT": lanes,
+            "EACH_GROUP(F)": each,
+            **relief,
+            **ink,
+        }
 
     def inputs(self, method: Method, buffer: GBuffer) -> dict[str, Any]:
         """What that program reads, beside the method's inputs."""
