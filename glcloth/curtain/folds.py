@@ -103,13 +103,17 @@ class HangingCloth:
         z = np.sqrt(np.maximum(1 - square, STEEPEST**2))
         d = np.concatenate([disc, z[..., None]], -1).reshape(-1, 3)
         d /= np.linalg.norm(d, axis=1, keepdims=True)
-        at = np.concatenate([inner[:2] + rng.random((len(d), 2)) * (inner[2:] - inner[:2]), np.full((len(d), 1), self.sheet.z)], 1)
+        at = np.concatenate(
+            [inner[:2] + rng.random((len(d), 2)) * (inner[2:] - inner[:2]), np.full((len(d), 1), self.sheet.z)], 1
+        )
         way = thick / d[:, 2:] * d
         left = self._through(inputs, at - way, np.ones_like(at), at + way).reshape(ny, nx, RAYS, 3)
         within = square <= 1
         return left[within].mean(0, dtype=float), left.mean(2, dtype=float)
 
-    def _through(self, inputs: Mapping[str, Any], points: np.ndarray, light: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    def _through(
+        self, inputs: Mapping[str, Any], points: np.ndarray, light: np.ndarray, ends: np.ndarray
+    ) -> np.ndarray:
         """What of light [N, 3] between points and ends passes the cloth."""
         from_, to, before, after, _ = self._buffers
         for buffer, values in ((from_, points), (to, ends), (before, light)):

@@ -116,10 +116,14 @@ def facing_the_room(positions: np.ndarray, structure: Structure, ctx: moderngl.C
     return np.where(over[:, None, None], positions[:, ::-1], positions)
 
 
-def find_openings(charts: Charts, low: np.ndarray, high: np.ndarray, structure: Structure, ctx: moderngl.Context) -> np.ndarray:
+def find_openings(
+    charts: Charts, low: np.ndarray, high: np.ndarray, structure: Structure, ctx: moderngl.Context
+) -> np.ndarray:
     """Cells [W, 4, 3] on the room's bounding box that cover where rays of its elements leave it."""
     d = _about(charts.normals, cosine_direction(_points(8)))
-    o = np.broadcast_to((charts.positions + 1e-4 * (high - low).max() * charts.normals)[:, None], d.shape).reshape(-1, 3)
+    o = np.broadcast_to((charts.positions + 1e-4 * (high - low).max() * charts.normals)[:, None], d.shape).reshape(
+        -1, 3
+    )
     d = d.reshape(-1, 3)
     queries = RayQueries(ctx)
     free = ~queries.any_hit(structure, o, d)
@@ -214,7 +218,10 @@ def _compute(
 ) -> Iterator[float | np.ndarray]:
     x, n = sheet.receivers()
     receivers = np.zeros((len(charts.positions) + len(x), 2, 4), np.float32)
-    receivers[:, 0, :3], receivers[:, 1, :3] = np.concatenate([charts.positions, x]), np.concatenate([charts.normals, n])
+    receivers[:, 0, :3], receivers[:, 1, :3] = (
+        np.concatenate([charts.positions, x]),
+        np.concatenate([charts.normals, n]),
+    )
     receivers[len(charts.positions) :, 0, 3] = 1.0
     cells = sheet.cells()
     senders = np.zeros((len(charts.patches) + len(cells) + len(openings), 4, 4), np.float32)

@@ -141,7 +141,9 @@ class Radiosity:
         how many points there are. The curtain's samples come behind them."""
         f, charts = self.factors, self.factors.charts
         lamp, intensity = np.array(shot.lighting.lamp.position), np.array(shot.lighting.lamp.intensity)
-        points = charts.positions[:, None] + np.einsum("pk,nkc->npc", LAMP_POINTS, np.stack([charts.sides_u, charts.sides_v], 1))
+        points = charts.positions[:, None] + np.einsum(
+            "pk,nkc->npc", LAMP_POINTS, np.stack([charts.sides_u, charts.sides_v], 1)
+        )
         element = np.repeat(np.arange(len(charts.positions)), len(LAMP_POINTS))
         normals = charts.normals[element]
         points = points.reshape(-1, 3) + 1e-3 * normals
@@ -190,7 +192,11 @@ class Radiosity:
             return out
         seen = f.factors[f.light_senders :]
         turn = rotation_y(-shot.env_rotate)
-        small = None if shot.environment is None else self._small_map.get(lambda: _without_suns(shot.environment), shot.environment)
+        small = (
+            None
+            if shot.environment is None
+            else self._small_map.get(lambda: _without_suns(shot.environment), shot.environment)
+        )
         for corners, F in zip(f.openings, seen, strict=True):
             sees = np.flatnonzero(F)
             radiance = np.zeros((len(sees), 3))
@@ -246,7 +252,13 @@ class Radiosity:
         self._put("chosen", (first + chosen).astype(np.uint32), "r32ui")
         b, passes = self._buffers, programs(self.ctx)
         passes.compute("passes/curtain/lit_cloth.comp").run(
-            len(chosen), inputs, chosen=b["chosen"], Points=b["points"], Lights=b["lights"], chosen_count=len(chosen), first=lit
+            len(chosen),
+            inputs,
+            chosen=b["chosen"],
+            Points=b["points"],
+            Lights=b["lights"],
+            chosen_count=len(chosen),
+            first=lit,
         )
         attenuate(self.ctx, structure, inputs, b["points"], b["lights"], b["arrived"], lit + len(chosen))
         S, R = f.light_senders, f.factors.shape[1]
@@ -290,7 +302,12 @@ class Radiosity:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (*self._buffers.values(), self.cloth, self._triangles, *([self._structure] if self._structure else [])):
+        for thing in (
+            *self._buffers.values(),
+            self.cloth,
+            self._triangles,
+            *([self._structure] if self._structure else []),
+        ):
             thing.release()
 
 

@@ -212,7 +212,9 @@ class CurtainShow:
             return shot
         for _ in self.radiosity.prepare():
             pass
-        split = dataclasses.replace(shot, lighting=dataclasses.replace(shot.lighting, ambient=(0.0, 0.0, 0.0)), indirect={})
+        split = dataclasses.replace(
+            shot, lighting=dataclasses.replace(shot.lighting, ambient=(0.0, 0.0, 0.0)), indirect={}
+        )
         structure, first = self.tracer.structure(shot.settings.accelerator), len(self.room.positions)
         return dataclasses.replace(
             split, indirect=self.radiosity.light(split, self.tracer.inputs(split), structure, first)

@@ -40,7 +40,9 @@ def check_path(frame: Frame) -> None:
     if objects is None:
         return
     if objects.ground is not None and objects.ground.catcher:
-        raise InputError("method path: a ground that shows its shadow alone is not for it; give --ground auto, or method direct")
+        raise InputError(
+            "method path: a ground that shows its shadow alone is not for it; give --ground auto, or method direct"
+        )
     for mesh, materials in zip(objects.meshes, objects.materials or ((),) * len(objects.meshes), strict=True):
         if not all(is_matt(material) for material in materials):
             raise InputError(

@@ -259,7 +259,9 @@ class PathTracer:
     def sums(self) -> PathSums:
         """What the whole samples so far add up to, read from the GPU."""
         width, height = self._size
-        data = np.frombuffer(self._sums.read(16 * TEXELS * width * height), "f4").reshape(height, width, TEXELS, 4)[::-1]
+        data = np.frombuffer(self._sums.read(16 * TEXELS * width * height), "f4").reshape(height, width, TEXELS, 4)[
+            ::-1
+        ]
         albedo = data[..., 2, :3].copy()
         return PathSums(
             max(self.progress.samples, 1),
@@ -276,4 +278,3 @@ class PathTracer:
             one.release()
         if self._triangles is not None:
             self._triangles.release()
-

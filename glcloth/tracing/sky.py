@@ -89,7 +89,11 @@ def sun_records(suns: Suns) -> np.ndarray:
     if len(suns):
         bright = np.abs(luminance(suns.irradiance)) + 1e-30
         share = bright / bright.sum()
-        rows[:, 0, :3], rows[:, 0, 3], rows[:, 1, :3] = suns.direction, np.cumsum(share), suns.irradiance / share[:, None]
+        rows[:, 0, :3], rows[:, 0, 3], rows[:, 1, :3] = (
+            suns.direction,
+            np.cumsum(share),
+            suns.irradiance / share[:, None],
+        )
     return rows
 
 

@@ -67,7 +67,9 @@ def directions_of(renderer, fabric, omega_o, values, draws):
     tracer.take(PathWorld(((plane(), fabric),)))
     buffer = Buffer(renderer.ctx, np.pad(values, ((0, 0), (0, 1))).astype("f4"))
     program = programs(renderer.ctx).compute("draw", None, {"draw": DRAW})
-    program.run(len(values), tracer.fabric_inputs(), Directions=buffer, draws=draws, omega_o=tuple(omega_o), cloth_count=1)
+    program.run(
+        len(values), tracer.fabric_inputs(), Directions=buffer, draws=draws, omega_o=tuple(omega_o), cloth_count=1
+    )
     found = np.frombuffer(buffer.read(16 * len(values)), "f4").reshape(-1, 4)
     return found[:, :3].astype(float), found[:, 3].astype(float)
 
@@ -88,7 +90,9 @@ def test_drawn_directions_have_their_density(renderer, name):
         above = drawn[drawn[:, 2] > 1e-3]
         expected = density.reshape(rows, fine, sectors, fine).sum((1, 3)).ravel() * 4 * np.pi / len(grid) * count
         place = (np.floor((above[:, 2] + 1) / 2 * rows).clip(0, rows - 1) * sectors).astype(int)
-        place += np.floor((np.arctan2(above[:, 1], above[:, 0]) / np.pi + 1) / 2 * sectors).clip(0, sectors - 1).astype(int)
+        place += (
+            np.floor((np.arctan2(above[:, 1], above[:, 0]) / np.pi + 1) / 2 * sectors).clip(0, sectors - 1).astype(int)
+        )
         found = np.bincount(place, minlength=rows * sectors)
         assert abs(found.sum() / expected.sum() - 1) < 0.01
         # A bin's own quadrature errs by up to some percent where a thread's pole lies in it.
@@ -121,7 +125,9 @@ def furnace(renderer, fabric, theta, **changes):
     return sums.picture[..., :3].mean((0, 1)), np.sqrt((sums.standard_error**2).sum()) / sums.squares.size, sums
 
 
-@pytest.mark.parametrize(("name", "theta"), [("linen", 0.4), ("silk_crepe_de_chine", 1.2), ("satin_charmeuse_front", 0.7)])
+@pytest.mark.parametrize(
+    ("name", "theta"), [("linen", 0.4), ("silk_crepe_de_chine", 1.2), ("satin_charmeuse_front", 0.7)]
+)
 def test_even_light_shows_the_albedo(renderer, name, theta):
     fabric = load_fabric(name)
     mean, error, sums = furnace(renderer, fabric, theta, spp=128)

@@ -12,7 +12,17 @@ from glcloth.errors import InputError
 from glcloth.fabric import Fabric, Transmission, Yarn, load_fabric
 from glcloth.fields import entries
 from glcloth.image import write_image
-from glcloth.scene import CurtainParameters, OpacityMap, PrintMap, Scene, View, builtin_scenes, header, load_scene, save_scene
+from glcloth.scene import (
+    CurtainParameters,
+    OpacityMap,
+    PrintMap,
+    Scene,
+    View,
+    builtin_scenes,
+    header,
+    load_scene,
+    save_scene,
+)
 
 CURTAIN = Scene(curtain=CurtainParameters(wind=2.0), depth=2, frame=7)
 
