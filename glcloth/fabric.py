@@ -274,6 +274,17 @@ class Fabric(Value):
         out.__dict__["weave"] = self.weave.sketch(side)
         return out
 
+    def dyed(self, color: tuple[float, float, float]) -> Self:
+        """The fabric with so much of its yarns' colours [3], linear; what limits its energy is that of the undyed one, and the
+        colours of single threads (`weave`) stay."""
+        out = copy.copy(self)
+        out.__dict__["yarn"] = tuple(
+            yarn.changed(albedo=tuple(min(a * c, 1.0) for a, c in zip(yarn.albedo, color, strict=True)))
+            for yarn in self.yarn
+        )
+        out.__dict__["weights"] = self.weights
+        return out
+
     @property
     def sigma(self) -> float:
         """Width of shadowing and masking in radians."""

@@ -41,6 +41,7 @@ CURTAIN = {"fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (6
 option = partial(about, option=True)
 cloth, curtain = partial(option, of="cloth"), partial(option, of="curtain")
 direct, paper, reference, path = (partial(option, of=method) for method in ("direct", "paper", "reference", "path"))
+MAPS = {"print": "prints", "opacity": "opacities"}  # of all cloth, and of its parts
 KINDS = {"cloth": "cloth under an environment", "curtain": "the curtain"}
 
 
@@ -94,6 +95,34 @@ class View(Value):
         if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
             raise ValueError(f"expected X,Y,Z such as 0,1.5,3, not {value!r}")
         return numbers
+
+
+class ClothMap(Value):
+    """A picture over the UVs of cloth, which repeats; its upper edge is at growing v."""
+
+    file: str = about("", "PNG, JPEG, OpenEXR or Radiance picture", min_length=1)
+    repeat: float = about(
+        "", "how much of the cloth one repeat covers, along u; in metres it keeps its proportions along v",
+        default=1.0, gt=0, le=1e6,
+    )  # fmt: skip
+    unit: Literal["uv", "m"] = about(
+        "", "of the repeat: UV units, where it is as high as wide, or metres", default="uv"
+    )
+
+
+class PrintMap(ClothMap):
+    """A print: what it multiplies the colours of the yarns by."""
+
+    model_config = ConfigDict(title="print")
+
+    space: Literal["srgb", "linear"] = about(
+        "", "of the codes in a PNG or JPEG: sRGB, or linear; OpenEXR and Radiance are always linear", default="srgb")  # fmt: skip
+
+
+class OpacityMap(ClothMap):
+    """Where cloth is: the alpha of a picture that has some, else its codes, as they are; 0 is open."""
+
+    model_config = ConfigDict(title="opacity")
 
 
 class Bookmark(Value):
@@ -184,6 +213,16 @@ class Scene(Value):
         "m", "length of a UV unit of the mesh, for the size of threads; 0: measured", default=0.0, ge=0, le=1000)
     mesh: str | tuple[str, ...] = cloth(
         "", "built-in mesh or a file (.obj .ply .glb .gltf); repeatable", default="drape", file=True, repeat=True)
+    print: PrintMap | None = cloth(
+        "", "a picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; "
+        "repeatable", default=None, file=True, repeat=True)
+    prints: dict[str, PrintMap] = cloth(
+        "", "a table: PART = a table as print", default_factory=dict, option=False, file=True)
+    opacity: OpacityMap | None = cloth(
+        "", "a picture that says where cloth is, over the UVs: black is open; a table in files; PART=FILE for a part alone; "
+        "repeatable", default=None, file=True, repeat=True)
+    opacities: dict[str, OpacityMap] = cloth(
+        "", "a table: PART = a table as opacity", default_factory=dict, option=False, file=True)
     objects: tuple[str, ...] = cloth(
         "", "mesh that stands by the cloth, in its own colours; behind it @x,y,z,scale,turn (metres, factor, degrees about "
         "+Y), as many as are needed; repeatable", default=(), option="--object", file=True, repeat=True)
@@ -223,7 +262,8 @@ class Scene(Value):
     contribution: float = paper(
         "", "share of the singular values that tables keep; a change makes new ones", default=0.9, ge=0.5, le=0.9999)
     spp: int = option(
-        "", "samples per pixel of a whole picture; path: 1 stands for 64, or with noise for as many as it takes", default=1, ge=1, le=1 << 20, slider=(1, 64))
+        "", "samples per pixel of a whole picture; path: 1 stands for 64, or with noise for as many as it takes", default=1, ge=1,
+        le=1 << 20, slider=(1, 64))
     noise: float = path(
         "%", "stop where the mean standard error of the pixels that show surfaces is so small a share of their mean light, spp "
         "at the latest; 0: never before", default=0.0, ge=0, le=100, slider=(0.0, 5.0))
@@ -317,6 +357,16 @@ class Scene(Value):
             if isinstance(text, str):
                 Place.of(split_place(text)[1])
         return value
+
+    @field_validator("print", "opacity", mode="before")
+    @classmethod
+    def _map(cls, value):
+        return {"file": value} if isinstance(value, str) else value
+
+    @field_validator("prints", "opacities", mode="before")
+    @classmethod
+    def _maps(cls, value):
+        return {part: cls._map(one) for part, one in value.items()} if isinstance(value, dict) else value
 
     @field_validator("mesh", mode="before")
     @classmethod
@@ -428,6 +478,8 @@ def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
     def changed(value: Any) -> Any:
         if isinstance(value, list):
             return [changed(part) for part in value]
+        if isinstance(value, dict) and isinstance(value.get("file"), str):  # of a ClothMap
+            return {**value, "file": change(value["file"])}
         if not isinstance(value, str) or not value:
             return value
         name, place = split_place(value)
@@ -437,7 +489,7 @@ def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
     for entry in entries(Scene):
         if entry.file and entry.name in data:
             value = data[entry.name]
-            table = entry.name == "fabrics" and isinstance(value, dict)
+            table = entry.name in ("fabrics", "prints", "opacities") and isinstance(value, dict)
             out[entry.name] = {part: changed(v) for part, v in value.items()} if table else changed(value)
     return out
 

@@ -7,6 +7,7 @@ The options are a file, so that the command line knows them without loading the 
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, get_args
 
@@ -14,7 +15,7 @@ from ..fabric import Fabric, Transmission, Yarn
 from ..fields import Entry, Value, entries
 from ..files import PACKAGE
 from ..light.lights_file import FORMAT
-from ..scene import CURTAIN, CurtainParameters, Scene, View, kind_of
+from ..scene import CURTAIN, CurtainParameters, OpacityMap, PrintMap, Scene, View, kind_of
 from ..weave.model import Irregularity, Stripe, Weave
 
 DOCS = PACKAGE.parent / "docs"
@@ -36,6 +37,8 @@ def scene_document() -> str:
         _table("The curtain", [e for e in fields if kind_of(e.name) == "curtain" and e.name != "curtain"]),
         f"A curtain begins with {first}.",
         _table("The table `camera`", entries(View)),
+        _table("The table `print`, and each of `prints`", map_options("print", PrintMap)),
+        _table("The table `opacity`, and each of `opacities`", map_options("opacity", OpacityMap)),
         _table("The table `curtain`", entries(CurtainParameters)),
     ]
     return "\n\n".join(parts) + "\n"
@@ -124,6 +127,14 @@ def _said(value: Any) -> str:
     return str(list(value) if isinstance(value, tuple) else value)
 
 
+def map_options(field: str, model: type[Value]) -> list[Entry]:
+    """The fields of a map of the cloth; the option of its file has the map's name, the others begin with it."""
+    return [
+        replace(entry, option=f"--{field}" if entry.name == "file" else f"--{field}-{entry.name}")
+        for entry in entries(model)
+    ]
+
+
 def scene_options() -> str:
     """glcloth/cli/scene_options.py: a dataclass of the fields that are options."""
     lines = [
@@ -153,6 +164,11 @@ def scene_options() -> str:
                 name += 'negative="", ' if several else ""
                 text = _help(entry, "curtain" if model is CurtainParameters else entry.of)
                 lines.append(f'    {entry.name}: Annotated[{kind} | None, Parameter({name}help="{text}")] = None')
+    for field, of_map in (("print", PrintMap), ("opacity", OpacityMap)):
+        for entry in map_options(field, of_map)[1:]:
+            kind = _type(of_map.model_fields[entry.name].annotation)
+            text = f"{field.capitalize()}: {_help(entry, '')}"
+            lines.append(f'    {field}_{entry.name}: Annotated[{kind} | None, Parameter(help="{text}")] = None')
     return "\n".join(lines) + "\n"
 
 

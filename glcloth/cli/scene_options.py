@@ -17,6 +17,8 @@ class SceneOptions:
     threads: Annotated[bool | None, Parameter(help="Threads where one comes near, of a fabric with a weave (direct, reference).")] = None
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
     mesh: Annotated[list[str] | None, Parameter(name="--mesh", negative="", help="Built-in mesh or a file (.obj .ply .glb .gltf); repeatable.")] = None
+    print: Annotated[list[str] | None, Parameter(name="--print", negative="", help="A picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; repeatable.")] = None
+    opacity: Annotated[list[str] | None, Parameter(name="--opacity", negative="", help="A picture that says where cloth is, over the UVs: black is open; a table in files; PART=FILE for a part alone; repeatable.")] = None
     objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, in its own colours; behind it @x,y,z,scale,turn (metres, factor, degrees about +Y), as many as are needed; repeatable.")] = None
     units: Annotated[str | None, Parameter(help="Of the lengths in mesh files; auto: metres, but for cloth that would be 20 m or more (auto, m, dm, cm, mm or in).")] = None
     ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; catcher: there, but only its shadow is seen; or off (m).")] = None
@@ -61,3 +63,8 @@ class SceneOptions:
     focus: Annotated[float | None, Parameter(help="Distance along the view of what is sharp; none: that of the target (0.001 to 1e+06 m).")] = None
     fullness: Annotated[float | None, Parameter(help="Width of the cloth over that of the rail (1 to 4; curtain).")] = None
     wind: Annotated[float | None, Parameter(help="Wind into the room, perpendicular to the window; animate: along the built-in cloth (-20 to 20 m/s; curtain).")] = None
+    print_repeat: Annotated[float | None, Parameter(help="Print: How much of the cloth one repeat covers, along u; in metres it keeps its proportions along v (0.001 to 1e+06).")] = None
+    print_unit: Annotated[str | None, Parameter(help="Print: Of the repeat: UV units, where it is as high as wide, or metres (uv or m).")] = None
+    print_space: Annotated[str | None, Parameter(help="Print: Of the codes in a PNG or JPEG: sRGB, or linear; OpenEXR and Radiance are always linear (srgb or linear).")] = None
+    opacity_repeat: Annotated[float | None, Parameter(help="Opacity: How much of the cloth one repeat covers, along u; in metres it keeps its proportions along v (0.001 to 1e+06).")] = None
+    opacity_unit: Annotated[str | None, Parameter(help="Opacity: Of the repeat: UV units, where it is as high as wide, or metres (uv or m).")] = None

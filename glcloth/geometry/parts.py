@@ -36,10 +36,10 @@ def fit(pattern: str, names: Names) -> tuple | None:
     return None
 
 
-def chosen(meshes: Sequence[Mesh], patterns: Sequence[str]) -> tuple[tuple[int, ...], ...]:
+def chosen(meshes: Sequence[Mesh], patterns: Sequence[str], what: str = "fabrics") -> tuple[tuple[int, ...], ...]:
     """For each part of each mesh the number of the pattern that fits it best; -1: none does.
 
-    Raises InputError for a pattern that fits no part.
+    Raises InputError for a pattern that fits no part; `what` says whose patterns they are.
     """
     parts = [names_of(mesh) for mesh in meshes]
     known = list(dict.fromkeys(name for of_mesh in parts for names in of_mesh for name in names))
@@ -49,7 +49,7 @@ def chosen(meshes: Sequence[Mesh], patterns: Sequence[str]) -> tuple[tuple[int, 
             by_case = {name.casefold(): name for name in known}
             close = difflib.get_close_matches(pattern.casefold(), by_case, 1, 0.5)
             hint = f"; did you mean {by_case[close[0]]}?" if close else ""
-            raise InputError(f"fabrics: no part is called {pattern}, expected {listed}{hint}")
+            raise InputError(f"{what}: no part is called {pattern}, expected {listed}{hint}")
 
     def best(names: Names) -> int:
         fits = [(found, n) for n, pattern in enumerate(patterns) if (found := fit(pattern, names))]

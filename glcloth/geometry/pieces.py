@@ -16,8 +16,10 @@ from .supports import WAIST, WAIST_AXES
 SAMPLES = {"throw": (190, 190), "skirt": (84, 310), "folds": (120, 232)}  # rows and columns of the surface
 # The skirt's band over the tops of its pleats: (m out from the waist, m above it), from its upper edge down.
 BAND = (
-    (0.006, 0.034),
-    (0.020, 0.036),
+    (-0.014, 0.022),
+    (-0.004, 0.032),
+    (0.012, 0.038),
+    (0.024, 0.037),
     (0.030, 0.032),
     (0.0345, 0.022),
     (0.036, 0.004),

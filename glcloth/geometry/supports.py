@@ -26,7 +26,7 @@ SHRUNK = 0.005  # how far the form that is seen lies within the one that cloth m
 PEDESTAL = (0.0, 0.45, 0.0), (0.22, 0.45, 0.22), 0.035  # a box: centre, outer half sides, rounding
 HEAD = (0.0, 1.055, 0.0), 0.16  # a ball upon it
 SWEEP = -2.6, 1.8, 3.8, 7.0  # the backdrop: where it leaves the floor (z), its radius, height, half width
-PAPER = (0.26, 0.25, 0.24)
+PAPER = (0.38, 0.39, 0.41)
 CLAY, WOOD, IRON, PLASTER = (0.46, 0.41, 0.35), (0.30, 0.19, 0.11), (0.06, 0.06, 0.06), (0.50, 0.48, 0.45)
 
 

@@ -20,12 +20,26 @@ VERTEX_TEXELS = 3  # position, normal, tangent
 FRAMES = {"frame_N": 4, "frame_x": 4, "frame_p": 4, "frame_b": 2}  # of passes/picture/surface.frag: components
 
 
+@dataclass(frozen=True, eq=False)
+class CutOut:
+    """Where a mesh is not: an opacity map, and the UVs of the vertices, of which `repeats` are one repeat of the map."""
+
+    opacity: moderngl.TextureArray
+    uv: TextureBuffer
+    repeats: tuple[float, float]
+
+
 class MeshBuffers:
     """One mesh on the GPU, to be drawn and to be fetched from: `vertices` has VERTEX_TEXELS for each, `indices` three
     texels a triangle."""
 
     def __init__(
-        self, ctx: moderngl.Context, mesh: Mesh, lift: np.ndarray | None = None, one_sided_from: int | None = None
+        self,
+        ctx: moderngl.Context,
+        mesh: Mesh,
+        lift: np.ndarray | None = None,
+        one_sided_from: int | None = None,
+        cut_out: CutOut | None = None,
     ):
         """
         Parameters
@@ -33,8 +47,9 @@ class MeshBuffers:
         lift : [V, 2] how far in front and behind the surface that hides light lies below the curved one, where it is
             coarser than the mesh
         one_sided_from : from this triangle on only the front is drawn
+        cut_out : where it is not drawn; None: it is everywhere
         """
-        self.mesh = mesh
+        self.mesh, self.cut_out = mesh, cut_out
         self.one_sided_from = len(mesh.triangles) if one_sided_from is None else one_sided_from
         vertices = np.zeros((len(mesh.positions), VERTEX_TEXELS, 4), "f4")
         vertices[:, 0, :3], vertices[:, 1, :3], vertices[:, 2] = mesh.positions, mesh.normals, mesh.tangents
@@ -163,9 +178,11 @@ class GBuffer:
     def _program(self, wanted: Drawn, nearer: moderngl.Texture | None, behind: moderngl.Texture | None) -> Draw:
         alone = not wanted.before and wanted.mesh.one_sided_from == len(wanted.mesh.mesh.triangles) and behind is None
         paths = "passes/picture/surface.vert", "passes/picture/surface.frag"
+        cut: dict[str, Any] = {} if wanted.mesh.cut_out is None else {"CUT_OUT": 1}
         if alone:
-            return programs(self.ctx).draw(*paths)
-        program = programs(self.ctx).draw(*paths, {"AMONG_OTHERS": 1} | ({} if behind is None else {"BEHIND": 1}))
+            return _cut_out(programs(self.ctx).draw(*paths, cut), wanted)
+        program = programs(self.ctx).draw(*paths, {"AMONG_OTHERS": 1} | ({} if behind is None else {"BEHIND": 1}) | cut)
+        _cut_out(program, wanted)
         program.bind(one_sided_from=wanted.mesh.one_sided_from, hidden_by_others=nearer is not None)
         if nearer is not None:
             program.bind(nearer=nearer)
@@ -286,6 +303,14 @@ class GBuffer:
         parts = [depth for depth, *_ in self._some.values()]
         for texture in (*self._textures.values(), self.depth, *own, *parts):
             texture.release()
+
+
+def _cut_out(program: Draw, wanted: Drawn) -> Draw:
+    """Give a program the opacity map of a mesh that has one; each sample has a threshold of its own, one alone a half."""
+    if (cut := wanted.mesh.cut_out) is not None:
+        threshold = max((0.5 + sum(wanted.offset)) % 1.0, 1e-3)
+        program.bind(opacity_map=cut.opacity, cut_uv=cut.uv, opacity_repeats=cut.repeats, opacity_threshold=threshold)
+    return program
 
 
 def _masks(target: moderngl.Framebuffer, written: bool) -> tuple:

@@ -88,7 +88,11 @@ class AdaptiveRate:
             yield from pace.pause(self.ctx)
         if shown is not None:
             yield from self._near_terms(buffer, shown, inputs, pace)
-        limits: dict[str, Any] = {"tolerance": self.tolerance, "bend_limit": BEND * narrowest_lobe, "coarse": self._color}
+        limits: dict[str, Any] = {
+            "tolerance": self.tolerance,
+            "bend_limit": BEND * narrowest_lobe,
+            "coarse": self._color,
+        }
         fill = programs(self.ctx).screen("passes/picture/adaptive_fill.frag")
         self._list.write(EMPTY)
         target = buffer.target if shown is None else shown.far

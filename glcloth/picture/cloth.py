@@ -14,6 +14,7 @@ from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Compute, Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
+from ..methods.albedo import diffuse_albedo
 from ..methods.method import Method
 from ..methods.registry import make_method
 from ..tracing.energy import reflection_limit
@@ -25,7 +26,9 @@ from ..visibility.sheets import Passed, sees_through
 from ..visibility.vertices import FLAT
 from .adaptive import AdaptiveRate, Shown
 from .frame import Cloth, Frame
+from .openings import Opacity, OpacityTexture, open_last
 from .pace import Pace
+from .prints import Print
 from .surface import Surface
 from .threads import Threads
 
@@ -45,6 +48,12 @@ class ClothSurface(Surface):
         self._finer: Last[Mesh] = Last()
         self._passed: Last[Passed] = Last()
         self._limit: Last[float] = Last()
+        self._mean: Last[np.ndarray] = Last()  # of the print
+        self._dyed: Last[Fabric] = Last()
+        self._glare: Last[np.ndarray] = Last()
+        self._print: tuple[Print, np.ndarray] | None = None
+        self._open: Last[tuple[Mesh, int]] = Last()
+        self._opacity = OpacityTexture(ctx)
         self.adaptive_rate: AdaptiveRate | None = None
         self.threads = Threads(ctx)
 
@@ -60,19 +69,31 @@ class ClothSurface(Surface):
         `finer`: the mesh is drawn with more vertices, for the sake of its shadows.
         """
         scene = frame.scene
-        self.scene_buffers.prepare(cloth.fabric, frame.lights)
+        fabric = self._printed(cloth, frame)
+        self.scene_buffers.prepare(fabric, frame.lights)
         self.method = self.named_method("direct" if scene.method == "path" else scene.method)
-        self.method.prepare(cloth.fabric, frame.lights, frame.settings)
+        self.method.prepare(fabric, frame.lights, frame.settings)
         self.passes = list(self.method.passes())
         self.pass_count = len(self.passes)
-        self.original = cloth.mesh
+        self.original, self._hiding, scale = self._opened(cloth, frame)
         self.adaptive = scene.adaptive and scene.method == "direct" and scene.quality != "high" and scene.spp == 1
         yarns = cloth.fabric.yarn
         self._narrowest = float(np.radians(min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in yarns)))
-        drawn = self._finer.get(lambda: subdivided(cloth.mesh), cloth.mesh) if finer else cloth.mesh
-        self._place(lambda: self._uploaded(drawn, cloth.mesh), drawn)
+        mesh = self.original
+        drawn = self._finer.get(lambda: subdivided(mesh), mesh) if finer else mesh
+        self._place(lambda: self._uploaded(drawn, mesh, cloth.opacity, scale), drawn, cloth.opacity, scale)
         self._take_transmission(cloth.fabric, frame)
-        self.threads.prepare(cloth.fabric, self.method, self.buffers, frame)
+        self.threads.prepare(fabric, self.method, self.buffers, frame, self._print)
+
+    def _printed(self, cloth: Cloth, frame: Frame) -> Fabric:
+        """The fabric, dyed in the mean of what is printed on it."""
+        self._print, self._fabric = None, cloth.fabric
+        if (design := cloth.print) is None:
+            return cloth.fabric
+        scale = self.threads.unit(cloth.mesh, frame) if design.in_metres else 1.0
+        mean = self._mean.get(lambda: design.mean_on(cloth.mesh, scale), design, cloth.mesh, scale)
+        self._print, self._scale = (design, mean), scale
+        return self._dyed.get(lambda: cloth.fabric.dyed(tuple(mean.tolist())), cloth.fabric, mean)
 
     def _take_transmission(self, fabric: Fabric, frame: Frame) -> None:
         """Where light passes through the fabric: how much evenly, whether straight on, and what is left to reflect."""
@@ -85,8 +106,17 @@ class ClothSurface(Surface):
         self.visibility.limit = limit
         self.adaptive &= limit == 1.0  # its passes have no weight
 
-    def _uploaded(self, drawn: Mesh, original: Mesh) -> MeshBuffers:
-        return MeshBuffers(self.ctx, drawn, lift_off_facets(drawn, original) if drawn is not original else None)
+    def _opened(self, cloth: Cloth, frame: Frame) -> tuple[Mesh, int | None, float]:
+        """The mesh, how many of its triangles hide light, and what its UV unit is in the unit of its opacity map."""
+        if (opacity := cloth.opacity) is None:
+            return cloth.mesh, None, 1.0
+        scale = self.threads.unit(cloth.mesh, frame) if opacity.in_metres else 1.0
+        return *self._open.get(lambda: open_last(cloth.mesh, opacity, scale), cloth.mesh, opacity, scale), scale
+
+    def _uploaded(self, drawn: Mesh, original: Mesh, opacity: Opacity | None, scale: float) -> MeshBuffers:
+        lift = lift_off_facets(drawn, original) if drawn is not original else None
+        cut_out = None if opacity is None else self._opacity.cut_out(opacity, drawn, scale)
+        return MeshBuffers(self.ctx, drawn, lift, cut_out=cut_out)
 
     @property
     def broad(self) -> np.ndarray:
@@ -94,11 +124,23 @@ class ClothSurface(Surface):
 
     @property
     def hit_surface(self) -> HitSurface:
-        return HitSurface(self.mesh, self.original)
+        return HitSurface(self.mesh, self.original, hiding=self._hiding)
 
     @property
     def reflectance(self) -> np.ndarray:
         return self.visibility.furnace.albedo(self.scene_buffers) * self.visibility.limit
+
+    def albedo_at(self, triangles: np.ndarray, uv: np.ndarray) -> np.ndarray:
+        if self._print is None:
+            return super().albedo_at(triangles, uv)
+        # What a fabric reflects is linear in a colour that all its yarns have in common.
+        design, mean = self._print
+        black, dyed = self._fabric.dyed((0.0, 0.0, 0.0)), self._fabric.dyed(tuple(mean.tolist()))
+        share = self._glare.get(
+            lambda: diffuse_albedo(black) / np.maximum(diffuse_albedo(dyed), 1e-9), self._fabric, mean
+        )
+        ratio = design.at(uv * self._scale) / np.where(mean > 0.0, mean, 1.0)
+        return self.reflectance * (share + (1.0 - share) * ratio)
 
     # -- shading -----------------------------------------------------------------------------------------------------
 
@@ -113,7 +155,7 @@ class ClothSurface(Surface):
 
     def woven_program(self, buffer: GBuffer) -> Draw:
         """As `program`, for pixels that show threads."""
-        virtual = {**self._virtual(), "inputs/methods/threads.glsl": "inputs/methods/weave.glsl"}
+        virtual = {**self._virtual(), "inputs/methods/threads.glsl": self.threads.source}
         defines = {**self.threads.defines(self.method), **buffer.defines()}
         return programs(self.ctx).screen("passes/picture/shade.frag", defines, virtual)
 
@@ -149,7 +191,7 @@ class ClothSurface(Surface):
         buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=near)
 
     def straight_program(self, buffer: GBuffer) -> Draw:
-        if not self.threads.shown:
+        if not self.threads.woven:
             return super().straight_program(buffer)
         return programs(self.ctx).screen("passes/picture/left.frag", self.threads.defines(self.method), WOVEN_HOLES)
 
@@ -169,7 +211,8 @@ class ClothSurface(Surface):
         virtual = {"behind.glsl": self.method.behind, **self.method.behind_includes()}
         defines = {**(self.method.defines() if sums else {}), **buffer.defines()}
         if self.threads.shown:
-            virtual, defines = {**virtual, **WOVEN_HOLES}, {**self.threads.defines(self.method), **defines}
+            holes = WOVEN_HOLES if self.threads.woven else {}
+            virtual, defines = {**virtual, **holes}, {**self.threads.defines(self.method), **defines}
         program = programs(self.ctx).screen("passes/picture/through.frag", defines, virtual)
         if sums:
             light = {**self.method.inputs(), **view.drawn_inputs(), **self.passes[number]}
@@ -196,7 +239,7 @@ class ClothSurface(Surface):
         defines = self.threads.defines(self.method)
         groups, lanes = self.method.woven_packing()
         terms = {**self.method.defines(), "TERMS": 1, "LANE_COUNT": lanes}
-        woven = {"inputs/methods/threads.glsl": "inputs/methods/weave.glsl"}
+        woven = {"inputs/methods/threads.glsl": self.threads.source}
         virtual = {**self._virtual(), "inputs/methods/threads.glsl": "inputs/methods/terms.glsl"}
         return Shown(
             near,

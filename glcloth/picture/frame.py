@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,9 +26,11 @@ from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..light.lights_file import load_lights
 from ..methods.settings import Settings
 from ..place import split_place
-from ..scene import Scene, View, load_scene
+from ..scene import MAPS, Scene, View, load_scene
 from ..visibility.pixels import is_next_pose
 from .cloths import Cloth, Dressing, in_metres, unit_of
+from .openings import load_opacity
+from .prints import load_print
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,7 +153,20 @@ class Frames:
     def _dressed(self, scene: Scene, meshes: tuple[Mesh, ...], fabric: Fabric | str | None) -> tuple[Cloth, ...]:
         """The cloths of a scene, or ones with another fabric where it names none for a part."""
         of_parts = {part: self.fabric(one) for part, one in scene.fabrics.items()}
-        return self._dressing.dress(meshes, self.fabric(scene.fabric if fabric is None else fabric), of_parts)
+        own = self.fabric(scene.fabric if fabric is None else fabric)
+        maps = [self._maps(scene, field, load) for field, load in (("print", load_print), ("opacity", load_opacity))]
+        return self._dressing.dress(meshes, own, of_parts, *maps)
+
+    def _maps(self, scene: Scene, field: str, load: Callable[[Any], Any]) -> dict[str, Any]:
+        """The maps of a field by the parts that have them, "" for the others; the last one of each is kept until it or its
+        file changes."""
+        of_all = {} if getattr(scene, field) is None else {"": getattr(scene, field)}
+        out = {}
+        for part, entry in (of_all | getattr(scene, MAPS[field])).items():
+            values = tuple(getattr(entry, name) for name in type(entry).model_fields)
+            last = self._files.setdefault((load, part), Last())
+            out[part] = last.get(partial(load, entry), values, _stamp(entry.file))
+        return out
 
     def _lights(self, scene: Scene, environment: Environment) -> Lights:
         """The lights of a scene, turned with its environment."""

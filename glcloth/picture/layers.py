@@ -186,10 +186,11 @@ def _value(name: str, surface: Surface, seen: _Seen, is_cloth: bool) -> np.ndarr
     """A layer where the pixels see a surface: [N, n], or one for all."""
     if name == "normal":
         return seen.normals
-    if name == "uv":
-        mesh = surface.mesh
-        return _interpolated(mesh.uv, mesh.triangles[seen.triangles], seen.weights)
-    return surface.albedo_at(seen.triangles) if name == "albedo" else np.array(float(is_cloth))
+    if name == "mask":
+        return np.array(float(is_cloth))
+    mesh = surface.mesh
+    uv = _interpolated(mesh.uv, mesh.triangles[seen.triangles], seen.weights)
+    return uv if name == "uv" else surface.albedo_at(seen.triangles, uv)
 
 
 def _interpolated(values: np.ndarray | None, corners: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -138,7 +138,7 @@ class Solids(Surface):
     def shown_triangles(self) -> int:
         return self.hiding if self.catches else len(self.mesh.triangles)
 
-    def albedo_at(self, triangles: np.ndarray) -> np.ndarray:
+    def albedo_at(self, triangles: np.ndarray, uv: np.ndarray) -> np.ndarray:
         return self.triangle_reflectances()[triangles, :3]
 
     def identities(self, frame: Frame, number: int) -> list[tuple[int, str, str]]:

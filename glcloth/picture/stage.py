@@ -144,7 +144,10 @@ class Stage:
         reflectances = None
         if len(self.surfaces) > 1:
             others = zip(self.cloths_in_frame[1:], albedos[1:], strict=True)
-            rows = [np.tile(np.append(albedo, 0.0), (len(cloth.original.triangles), 1)) for cloth, albedo in others]
+            rows = [
+                np.tile(np.append(albedo, 0.0), (len(cloth.original.triangles[: cloth.hit_surface.hiding]), 1))
+                for cloth, albedo in others
+            ]
             first_of_ground = sum(map(len, rows)) + (self._solids.hiding if frame.objects else 0)
             rows.append(self._solids.triangle_reflectances() if frame.objects else np.zeros((1, 4)))
             self._reflectance_data.write(np.concatenate(rows).astype("f4"))

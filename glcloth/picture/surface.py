@@ -31,7 +31,6 @@ class Surface(ABC):
     original: Mesh  # as it hides light
     pass_count = 1  # additive passes over a picture
     sheer = False  # whether what is behind it is seen through it
-    catches = False  # whether a part of it shows its shadow alone
     adaptive = False  # whether it shades all its pixels by `shade_adaptively`, before the others
 
     def __init__(self, ctx: moderngl.Context, steepness: float):
@@ -72,12 +71,17 @@ class Surface(ABC):
         array while nothing changes."""
 
     @property
+    def catches(self) -> bool:
+        """Whether a part of it shows its shadow alone."""
+        return False
+
+    @property
     def shown_triangles(self) -> int:
         """How many triangles, from the first, are things of the picture: not those of a ground that shows its shadow alone."""
         return len(self.mesh.triangles)
 
-    def albedo_at(self, triangles: np.ndarray) -> np.ndarray:
-        """The share of even light [3] or [N, 3] that goes back where triangles [N] are seen."""
+    def albedo_at(self, triangles: np.ndarray, uv: np.ndarray) -> np.ndarray:
+        """The share of even light [3] or [N, 3] that goes back where triangles [N] are seen, at UVs [N, 2]."""
         return np.asarray(self.reflectance)[:3]
 
     def identities(self, frame: Frame, number: int) -> list[tuple[int, str, str]]:

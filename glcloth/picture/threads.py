@@ -1,4 +1,5 @@
-"""Threads near by: which pixels of a cloth show them, and what their program reads beside that of the others.   [own]"""
+"""Threads near by, and prints: which pixels of a cloth show them, and what their program reads beside that of the others.
+[own]"""
 
 from __future__ import annotations
 
@@ -17,46 +18,76 @@ from ..methods.method import Method
 from ..methods.weave_maps import WeaveMaps, far_footprint
 from ..progress import warn
 from .frame import Frame
+from .prints import Print, PrintTexture
 
+EVERYWHERE = 1e30  # metres: larger than any pixel
 METRES = (0.75, 1.33)  # metres a UV unit that are taken for one: such UVs are metres, on a cloth that is stretched
 
 
 class Threads:
-    """The threads of one cloth.
+    """The threads of one cloth, and what is printed on it.
 
-    A pixel that covers more than half a repeat of the weave, and more than two yarns, shows none; `shown` says whether a
-    frame may have others. These have a program of their own, whose mean is that of the far cloth.
+    A pixel that covers more than half a repeat of the weave, and more than two yarns, shows no thread; `woven` says whether a
+    frame may have others. These have a program of their own, whose mean is that of the far cloth; all pixels of a printed
+    cloth have it. `shown` says whether any pixel has it.
     """
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
-        self.shown = False
+        self.shown = self.woven = False
+        self.printed: tuple[Print, np.ndarray] | None = None  # with its mean
         self._maps = WeaveMaps(ctx)
+        self._print = PrintTexture(ctx)
         self._uv = TextureBuffer(ctx, 16)
         self._written: Last[None] = Last()
         self._scale: Last[float] = Last()
-        self._warned: Last[None] = Last()
+        self._warned: dict[str, Last[None]] = {}
         self._buffers: MeshBuffers
         self._in_metres, self._far = 1.0, 0.0
         self._fabric: Fabric
 
-    def prepare(self, fabric: Fabric, method: Method, buffers: MeshBuffers, frame: Frame) -> None:
-        """Take a frame; cheap where nothing changed, and where none of its pixels can show threads."""
-        self.shown = False
-        mesh, scene = buffers.mesh, frame.scene
-        if not scene.threads or fabric.weave is None or mesh.uv is None:
-            return
-        self._far = far_footprint(fabric)
-        if least_footprint(frame, buffers) >= self._far:
-            return
+    def prepare(
+        self,
+        fabric: Fabric,
+        method: Method,
+        buffers: MeshBuffers,
+        frame: Frame,
+        printed: tuple[Print, np.ndarray] | None = None,
+    ) -> None:
+        """Take a frame; cheap where nothing changed, and where none of its pixels can show threads.
+
+        `printed`: what is printed on the cloth, and its mean colour, in which `fabric` is dyed.
+        """
+        self.woven, self.printed = self._near(fabric, buffers, frame), printed
         if not method.shows_threads:
-            self._warned.get(
-                lambda: warn(f"method {scene.method}: shows cloth as it is from afar, without threads"), method
-            )
-            return
-        self._in_metres = scene.uv_scale or self._scale.get(lambda: guessed_scale(mesh), mesh)
-        self._written.get(lambda: self._write(mesh, self._in_metres), mesh, self._in_metres)
-        self._buffers, self._fabric, self.shown = buffers, fabric, True
+            name = frame.scene.method
+            if self.woven:
+                self._warn(f"method {name}: shows cloth as it is from afar, without threads", method)
+            if printed is not None:
+                self._warn(f"method {name}: shows printed cloth in the mean colour of its print", method)
+            self.woven, self.printed = False, None
+        self.shown = self.woven or self.printed is not None
+        if self.shown:
+            mesh = buffers.mesh
+            in_metres = self.woven or (self.printed is not None and self.printed[0].in_metres)
+            self._in_metres = self.unit(mesh, frame) if in_metres else 1.0
+            self._written.get(lambda: self._write(mesh, self._in_metres), mesh, self._in_metres)
+            self._buffers, self._fabric = buffers, fabric
+
+    def _warn(self, text: str, method: Method) -> None:
+        """Say it once of a method."""
+        self._warned.setdefault(text, Last()).get(lambda: warn(text), method)
+
+    def unit(self, mesh: Mesh, frame: Frame) -> float:
+        """Metres in a UV unit."""
+        return frame.scene.uv_scale or self._scale.get(lambda: guessed_scale(mesh), mesh)
+
+    def _near(self, fabric: Fabric, buffers: MeshBuffers, frame: Frame) -> bool:
+        """Whether a pixel may be near enough to show threads."""
+        if not frame.scene.threads or fabric.weave is None or buffers.mesh.uv is None:
+            return False
+        self._far = far_footprint(fabric)
+        return least_footprint(frame, buffers) < self._far
 
     def _write(self, mesh: Mesh, scale: float) -> None:
         assert mesh.uv is not None
@@ -79,26 +110,51 @@ class Threads:
 
     def choose(self, buffer: GBuffer, near: bool) -> moderngl.Framebuffer:
         """The picture of a G-buffer, where only the pixels that show threads are covered, or only the others."""
-        key = buffer.drawn, self._in_metres, self._far
+        key = buffer.drawn, self._in_metres, self._far, self.printed is not None
         return buffer.part(near, lambda target: self._draw(target, buffer, near), *key)
 
     def _draw(self, target: moderngl.Framebuffer, buffer: GBuffer, near: bool) -> None:
         program = programs(self.ctx).screen("passes/picture/near.frag")
         own = {"wants_near": near, "depth": buffer.depth}
-        buffer.choose(target, program, self._inputs(buffer), own)
+        limit = {"far_footprint": EVERYWHERE} if self.printed is not None else {}
+        buffer.choose(target, program, {**self._inputs(buffer), **limit}, own)
+
+    @property
+    def source(self) -> str:
+        """The file that stands for inputs/methods/threads.glsl."""
+        return "inputs/methods/weave.glsl" if self.woven else "inputs/methods/printed.glsl"
 
     def defines(self, method: Method) -> dict[str, Any]:
         """Constants of the program for pixels that show threads, beside the method's own."""
         groups, lanes = method.woven_packing()
         each = " ".join(f"F({g});" for g in range(groups))
         weave = self._fabric.weave
-        relief = {"RELIEF": 1} if weave is not None and weave.relief else {}
-        return {**method.defines(), "WEAVE": 1, "GROUPS": groups, "LANE_COUNT": lanes, "EACH_GROUP(F)": each, **relief}
+        relief = {"RELIEF": 1} if self.woven and weave is not None and weave.relief else {}
+        ink = {} if self.printed is None else {"PRINT": 1}
+        return {
+            **method.defines(),
+            "WEAVE": 1,
+            "GROUPS": groups,
+            "LANE_COUNT": lanes,
+            "EACH_GROUP(F)": each,
+            **relief,
+            **ink,
+        }
 
     def inputs(self, method: Method, buffer: GBuffer) -> dict[str, Any]:
         """What that program reads, beside the method's inputs."""
-        maps = self._maps.inputs(self._fabric, *method.woven_packing())
-        return {**self._inputs(buffer), **maps, **method.woven_inputs()}
+        if self.woven:
+            maps = self._maps.inputs(self._fabric, *method.woven_packing())
+        else:
+            maps = {"weave_A": np.array([yarn.albedo for yarn in self._fabric.yarn], "f4")}
+        return {**self._inputs(buffer), **maps, **self.print_inputs(), **method.woven_inputs()}
+
+    def print_inputs(self) -> dict[str, Any]:
+        """What inputs/picture/print.glsl reads; nothing without a print."""
+        if self.printed is None:
+            return {}
+        scale = 1.0 if self.printed[0].in_metres else self._in_metres
+        return self._print.inputs(*self.printed, scale)
 
 
 def least_footprint(frame: Frame, buffers: MeshBuffers) -> float:

@@ -11,6 +11,7 @@ import moderngl
 import numpy as np
 
 from ..geometry.camera import Camera
+from ..geometry.parts import names_of
 from ..gpu.memo import Last
 from ..light.fit import FitReport
 from ..picture.threads import guessed_scale
@@ -97,6 +98,13 @@ class Actions:
         """The window as it is, uint8 [H, W, 3], top row first."""
         self.paint()
         return self._drawing.host.pixels()
+
+    @property
+    def parts(self) -> list[str]:
+        """The parts of the cloth that a fabric can be given to, by the first of their names; none where it is all one."""
+        meshes = next((ready.meshes for ready in self._drawing.ready if ready is not None), ())
+        names = list(dict.fromkeys(part[0] for mesh in meshes for part in names_of(mesh)))
+        return names if len(names) > 1 and not self.session.in_curtain else []
 
     # -- actions -----------------------------------------------------------------------------------------------------
 

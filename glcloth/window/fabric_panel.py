@@ -11,12 +11,13 @@ from ..fabric import Fabric, Transmission, Yarn
 from . import curve
 from .actions import Actions
 from .controls import CURVE, controls
-from .widgets import CLAMP, GREY, Panel, buttons, help_text, neat, reset, tip
+from .widgets import CLAMP, GREY, Panel, buttons, chooser, help_text, neat, reset, tip
 
 YARN = [c for c in controls(Yarn) if c.kind != "curve"]
 WEAVE = [c for c in controls(Fabric) if c.kind != "text"]
 TRANSMISSION = controls(Transmission)
 SAMPLES = controls(Yarn, ("samples",))[0]
+OTHERS = "all other cloth"
 NO_HELP = "light through a fabric that hangs before a light: read by the curtain"
 
 
@@ -30,6 +31,7 @@ class FabricPanel(Panel):
     def draw(self) -> None:
         """All controls of the fabric."""
         session = self.session
+        self._parts()
         fabric, origin = session.fabric, session.origin
         imgui.text_colored(GREY, fabric.name)
         imgui.same_line()
@@ -48,6 +50,18 @@ class FabricPanel(Panel):
             imgui.end_tab_bar()
         if not session.in_curtain:
             self._transmission(session.fabric, origin)
+
+    def _parts(self) -> None:
+        """Which part of the cloth it is the fabric of, where the mesh has several."""
+        session = self.session
+        parts = [] if session.in_curtain else [*session.scene.fabrics]
+        parts += [part for part in self.actions.parts if part not in parts]
+        if not parts:
+            return
+        chosen = chooser("part", session.part or OTHERS, [OTHERS, *parts])
+        tip("the fabric below is of this part of the cloth; one that has none of its own gets one to edit")
+        if chosen:
+            self.attempt(session.choose_part, "" if chosen == OTHERS else chosen)
 
     def _edit(self, gesture: str | None, **changes) -> None:
         self.session.edit_fabric(self.session.fabric.changed(**changes), gesture)

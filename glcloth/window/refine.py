@@ -7,9 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import moderngl
 
+from ..errors import InputError
 from ..fabric import Fabric
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
@@ -35,6 +38,8 @@ LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # by how much a preview is smaller
 HALF_FROM = 0.8  # seconds of full size from which something quicker comes first
 SLICE = 0.016  # seconds of work that is not split further, between two looks
 COPY = "passes/window/refine.frag"
+# A scene that names no part and no map of its mesh.
+OF_PARTS: dict[str, Any] = {"fabrics": {}, "print": None, "prints": {}, "opacity": None, "opacities": {}}
 NOT_LIGHT = ("exposure", "view_transform", "ocio", "display", "ocio_view", "bookmarks")  # how a picture is shown
 
 
@@ -63,14 +68,21 @@ class Refiner(Slices):
         lights = ready.lights if complete else ready.report.lights.rotated(rotation_y(scene.env_rotate))
         if not complete and scene.method == "paper":
             scene = scene.model_copy(update={"method": "direct"})
-        return self.renderer.prepare(
-            scene,
+        prepare = partial(
+            self.renderer.prepare,
             fabric=fabric,
             mesh=ready.meshes,
             environment=ready.environment,
             lights=lights,
             objects=ready.objects,
         )
+        try:
+            return prepare(scene)
+        except InputError:
+            if complete:
+                raise
+            # The last mesh, which stands in until that of the scene is read, has other parts.
+            return prepare(scene.model_copy(update=OF_PARTS))
 
     @property
     def mesh(self) -> Mesh | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from ..errors import InputError
@@ -18,6 +18,10 @@ Mode = Literal["cloth", "curtain"]
 SHARED = (
     "mesh",
     "fabrics",
+    "print",
+    "prints",
+    "opacity",
+    "opacities",
     "units",
     "objects",
     "ground",
@@ -50,6 +54,7 @@ class Document:
     ----------
     scene : side A; its fabric is a name or a file until something in it is edited, then the Fabric itself
     origin : the fabric that resets go back to, as it was chosen
+    origins : likewise those of the parts that have fabrics of their own
     other : side B, kept in full; only fields outside SHARED count
     compare : whether B is shown, and how
     split : where A ends and B begins, 0 to 1 of the picture's width
@@ -71,6 +76,7 @@ class Document:
     curtain_origin: str | Fabric = _CURTAIN.fabric
     curtain_other: Scene | None = None
     layered: bool = False
+    origins: dict[str, str | Fabric] = field(default_factory=dict)
 
     @property
     def shown(self) -> Scene:
@@ -97,13 +103,14 @@ class Session:
 
     def __init__(self, scene: Scene):
         if scene.curtain is None:
-            self.document = Document(scene, scene.fabric)
+            self.document = Document(scene, scene.fabric, origins=dict(scene.fabrics))
         else:
             cloth = Scene()
             self.document = Document(cloth, cloth.fabric, mode="curtain", curtain=scene, curtain_origin=scene.fabric)
         self._undo: list[Document] = []
         self._redo: list[Document] = []
         self._gesture: str | None = None
+        self._part = ""
         self._fabrics: dict[str, Fabric] = {}
 
     # -- reading -----------------------------------------------------------------------------------------------------
@@ -128,12 +135,19 @@ class Session:
 
     @property
     def fabric(self) -> Fabric:
-        """The fabric of the scene that is shown (side A) as it is now."""
-        return self.resolve(self.shown.fabric)
+        """The fabric of the scene that is shown (side A) as it is now: that of the part that is edited."""
+        return self.resolve(self.scene.fabrics[self.part] if self.part else self.shown.fabric)
+
+    @property
+    def part(self) -> str:
+        """The part whose fabric is edited, a key of the scene's `fabrics`; "": all cloth that has none of its own."""
+        return self._part if not self.in_curtain and self._part in self.scene.fabrics else ""
 
     @property
     def chosen(self) -> str | Fabric:
         """The fabric that resets go back to, as it was chosen."""
+        if self.part:
+            return self.document.origins.get(self.part, self.scene.fabrics[self.part])
         return self.document.curtain_origin if self.in_curtain else self.document.origin
 
     @property
@@ -233,6 +247,19 @@ class Session:
             fabric = self._hangable(fabric)
         self._take_fabric(fabric, origin=fabric)
 
+    def choose_part(self, part: str) -> None:
+        """Edit the fabric of a part from now on, "" for all other cloth; a part that has none of its own gets that one."""
+        self.end_gesture()
+        self._part = part
+        if part and part not in self.scene.fabrics:
+            self.apply(self._dressed(part, self.scene.fabric, origin=self.document.origin))
+
+    def _dressed(self, part: str, fabric: str | Fabric, **origin) -> Document:
+        """The document with another fabric for a part."""
+        scene = self._changed(self.scene, {"fabrics": {**self.scene.fabrics, part: fabric}})
+        chosen = {"origins": {**self.document.origins, part: origin["origin"]}} if origin else {}
+        return replace(self.document, scene=scene, **chosen)
+
     def edit_fabric(self, fabric: Fabric, gesture: str | None = None) -> None:
         """Take an edited fabric; one that equals its origin is the origin again."""
         if self.in_curtain and fabric.transmission is None:
@@ -241,6 +268,9 @@ class Session:
 
     def _take_fabric(self, fabric: str | Fabric, gesture: str | None = None, **origin) -> None:
         name = "curtain" if self.in_curtain else "scene"
+        if self.part:
+            self.apply(self._dressed(self.part, fabric, **origin), gesture)
+            return
         scene = self.shown.model_copy(update={"fabric": fabric})
         if self.in_curtain and origin:
             origin = {"curtain_origin": origin["origin"]}
@@ -320,7 +350,8 @@ class Session:
         """Take another scene as a whole and show it. Raises InputError when its fabric cannot be read or does not serve."""
         fabric = self.resolve(scene.fabric)
         if scene.curtain is None:
-            self.apply(replace(self.document, scene=scene, origin=scene.fabric, mode="cloth"))
+            origins = dict(scene.fabrics)
+            self.apply(replace(self.document, scene=scene, origin=scene.fabric, origins=origins, mode="cloth"))
             return
         if fabric.transmission is None:
             raise InputError(f"fabric {fabric.name}: has no [transmission], which the curtain needs; add the table")

@@ -78,7 +78,7 @@ def replace_amplitude(gaussians, factor):
 
 
 def test_a_picture_lies_on_the_ball_the_right_way_up(renderer):
-    """Above yellow, below red on the left, where u is small, and blue on the right; its colours are decoded, and times the material's."""
+    """Above yellow, below red on the left (small u), blue on the right; colours are decoded, and times the material's."""
     codes = np.zeros((64, 128, 3), np.uint8)
     codes[:32], codes[32:, :64], codes[32:, 64:] = (230, 200, 30), (200, 40, 40), (30, 60, 200)
     blob = io.BytesIO()
@@ -112,7 +112,8 @@ def test_an_obj_and_its_picture_make_an_object(tmp_path):
     Image.fromarray(np.full((4, 4, 3), (255, 0, 0), np.uint8)).save(tmp_path / "red.png")
     (tmp_path / "a.mtl").write_text("newmtl m\nKd 0.5 1 1\nPr 0.4\nPm 0.25\nmap_Kd red.png\nnewmtl n\nKd 0.1 0.2 0.3\n")
     (tmp_path / "a.obj").write_text(
-        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl n\nf 1/1 2/2 3/3\nusemtl m\nf 2/1 4/2 3/3\n"
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+        "usemtl n\nf 1/1 2/2 3/3\nusemtl m\nf 2/1 4/2 3/3\n"
     )
     _, colors, materials, material_of = load_object(tmp_path / "a.obj")
     assert [(m.name, m.roughness, m.metalness) for m in materials] == [("n", 1.0, 0.0), ("m", 0.4, 0.25)]

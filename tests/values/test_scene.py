@@ -12,7 +12,17 @@ from glcloth.errors import InputError
 from glcloth.fabric import Fabric, Transmission, Yarn, load_fabric
 from glcloth.fields import entries
 from glcloth.image import write_image
-from glcloth.scene import CurtainParameters, Scene, View, builtin_scenes, header, load_scene, save_scene
+from glcloth.scene import (
+    CurtainParameters,
+    OpacityMap,
+    PrintMap,
+    Scene,
+    View,
+    builtin_scenes,
+    header,
+    load_scene,
+    save_scene,
+)
 
 CURTAIN = Scene(curtain=CurtainParameters(wind=2.0), depth=2, frame=7)
 
@@ -31,6 +41,9 @@ def test_every_field_says_what_it_is(model):
 
 def test_options_are_fields():
     wanted = [entry.name for model in (Scene, View, CurtainParameters) for entry in entries(model) if entry.option]
+    # Maps of the cloth are tables, whose file has the map's own option.
+    for field, of_map in (("print", PrintMap), ("opacity", OpacityMap)):
+        wanted += [f"{field}_{name}" for name in of_map.model_fields if name != "file"]
     assert [field.name for field in dataclasses.fields(SceneOptions)] == wanted
     assert tuple(VIEW_TRANSFORMS) == entries(Scene, ("view_transform",))[0].choices
 

@@ -61,6 +61,10 @@ def test_a_bad_file_is_a_message_and_nothing_is_lost(done):
     assert "bad.hdr" in done["bad_file"] and done["kept"]
 
 
+def test_a_scene_of_two_parts_is_edited_part_by_part(done):
+    assert done["parts"] == [["Left", "Right"], False, True]
+
+
 def test_saved_scenes_and_pictures_open_to_the_same_picture(done):
     assert done["reopened"] == [True, True, True] and set(done["messages"]) == {"note"}
 

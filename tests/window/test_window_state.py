@@ -63,6 +63,28 @@ def test_a_wrong_edit_raises_and_changes_nothing():
         assert session.document is before and not session.can_undo
 
 
+def test_each_part_has_a_fabric_that_is_edited_reset_and_undone_by_itself():
+    session = Session(Scene(mesh="skirt", fabric="linen", fabrics={"Waistband": "velvet"}))
+    assert session.part == "" and session.fabric.name == load_fabric("linen").name
+    session.choose_part("Waistband")
+    session.edit_yarn(0, gamma_s_deg=33.0)
+    assert session.scene.fabric == "linen" and session.scene.fabrics["Waistband"].yarn[0].gamma_s_deg == 33.0
+    session.reset_fabric()
+    assert session.scene.fabrics == {"Waistband": "velvet"}
+    session.choose_fabric("taffeta")
+    assert session.scene.fabrics == {"Waistband": "taffeta"} and session.origin == load_fabric("taffeta")
+    # A part without a fabric of its own begins with that of all others.
+    session.choose_part("Skirt")
+    assert session.scene.fabrics == {"Waistband": "taffeta", "Skirt": "linen"}
+    session.undo()
+    assert session.part == "" and session.scene.fabrics == {"Waistband": "taffeta"}
+    session.choose_fabric("voile")
+    assert session.scene.fabric == "voile" and session.scene.fabrics == {"Waistband": "taffeta"}
+    session.open(Scene(fabrics={"Waistband": "denim_raw"}))
+    session.choose_part("Waistband")
+    assert session.chosen == "denim_raw"
+
+
 def test_resetting_returns_to_the_origin_and_its_name():
     session = Session(Scene(fabric="linen"))
     session.edit_fabric(session.fabric.changed(sigma_deg=33.0))

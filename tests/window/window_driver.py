@@ -160,6 +160,7 @@ def events(folder):
         settle(app)
         same.append(bool(np.array_equal(app.actions.picture(), edited)))
     out["reopened"] = same
+    out["parts"] = parts(app, folder)
     app.session.compare("split")
     app.session.edit_other(method="paper", fabric="linen")
     app.session.compare("difference")
@@ -174,6 +175,27 @@ def events(folder):
             bool(np.array_equal(renderer.render(load_scene(folder / "p.png")), edited)),
         ]
     return out
+
+
+def parts(app, folder):
+    """A scene of two parts: which ones the window knows, and what of the picture an edit of one changes."""
+    (folder / "two.obj").write_text(
+        "v -1 -1 0\nv 0 -1 0\nv 0 1 0\nv -1 1 0\nv 1 -1 0\nv 1 1 0\nusemtl Left\nf 1 2 3 4\nusemtl Right\nf 2 5 6 3\n"
+    )
+    (folder / "two.toml").write_text(
+        'mesh = "two.obj"\nfabric = "linen"\nsize = [60, 48]\nshadows = "off"\n[fabrics]\nRight = "velvet"\n'
+        "[camera]\neye = [0, 0, 5]\ntarget = [0, 0, 0]\northo = 2.0\n"
+    )
+    app.files.open(str(folder / "two.toml"))
+    settle(app)
+    before = app.actions.picture()
+    app.session.choose_part("Right")
+    app.session.edit_yarn(0, albedo=(0.9, 0.1, 0.1))
+    settle(app)
+    changed = np.abs(app.actions.picture() - before).max(-1) > 0
+    left, right = changed[4:44, 12:28], changed[4:44, 32:48]
+    app.session.choose_part("")
+    return [app.actions.parts, bool(left.any()), bool(right.all())]
 
 
 def drop(app, *paths):

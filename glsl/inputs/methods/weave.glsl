@@ -3,6 +3,9 @@
 // Stands for inputs/methods/threads.glsl. See glcloth/methods/weave_maps.py.
 #include "inputs/methods/rel.glsl"
 #include "inputs/picture/pixel_uv.glsl"
+#ifdef PRINT
+#include "inputs/picture/print.glsl"
+#endif
 #ifdef RELIEF
 #include "core/disk.glsl"
 #include "inputs/methods/relief.glsl"
@@ -84,6 +87,11 @@ void fetch_colors(PixelUv at) {
     } while (++tap < taps.count);
     pixel_A[0] = warp.a > 1e-4 ? warp.rgb / warp.a : weave_A[0];
     pixel_A[1] = weft.a > 1e-4 ? weft.rgb / weft.a : weave_A[1];
+#ifdef PRINT
+    // The map of threads' colours is not dyed in the mean of the print, as `weave_A` is.
+    if (warp.a > 1e-4) pixel_A[0] *= print_mean;
+    if (weft.a > 1e-4) pixel_A[1] *= print_mean;
+#endif
 }
 
 // -- irregularity: every factor has the mean 1, and wandering yarns wander alike wherever they are in the repeat ------------
@@ -139,7 +147,7 @@ float hole_share(ivec2 pixel) {
 }
 
 void fetch_weave(ivec2 pixel) {
-    PixelUv at = wandered(pixel_uv(pixel));
+    PixelUv here = pixel_uv(pixel), at = wandered(here);
     Taps taps = pixel_taps(at, weave_repeats, vec2(textureSize(weave_map, 0).xy));
 #define NO_REL(g) rel[g] = turn[g] = vec4(0.0);
 #define ADD_REL(g) rel[g] += textureLod(weave_map, vec3(place, float(g)), taps.level); \
@@ -169,6 +177,11 @@ void fetch_weave(ivec2 pixel) {
     fetch_colors(at);
     pixel_A[0] = mix(weave_A[0], pixel_A[0], seen);
     pixel_A[1] = mix(weave_A[1], pixel_A[1], seen);
+#ifdef PRINT
+    vec3 ink = print_over_mean(here);
+    pixel_A[0] *= ink;
+    pixel_A[1] *= ink;
+#endif
 }
 
 // The colour of sums of surface and volume terms, of warp and of weft.

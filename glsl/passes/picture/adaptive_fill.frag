@@ -13,7 +13,7 @@ uniform float bend_limit;  // sine of the angle between neighbours' normals abov
 out vec4 color;
 #ifdef WEAVE
 // Where pixels show threads: what each tangent adds varies as slowly as cloth from afar, so it is that which is interpolated.
-#include "inputs/methods/weave.glsl"
+#include "inputs/methods/threads.glsl"  // that is weave.glsl or printed.glsl
 uniform sampler2DArray terms;  // of passes/picture/shade_terms.frag
 uniform sampler2D far_depth;  // 1 where a pixel shows threads, or is not covered
 uniform vec4 slot_yarn[GROUPS];

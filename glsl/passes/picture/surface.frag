@@ -19,6 +19,12 @@ uniform int one_sided_from;   // from this triangle on only the front is drawn
 #ifdef BEHIND
 uniform sampler2D behind;     // the depth of cloth that lets light through: only what is behind it is drawn
 #endif
+#ifdef CUT_OUT
+uniform samplerBuffer cut_uv;  // of each vertex
+uniform sampler2DArray opacity_map;
+uniform vec2 opacity_repeats;
+uniform float opacity_threshold;  // of this sample: where the map has less, there is no cloth
+#endif
 layout(location = 0) out vec4 frame_N;  // N, and 1 or -1: the handedness of (x, y, N); 0 where nothing is drawn
 layout(location = 1) out vec4 frame_x;  // x, and the side of the sheet that is seen: 1 front, -1 back
 layout(location = 2) out vec4 frame_p;  // where rays start, world; the number of the triangle
@@ -57,6 +63,11 @@ void main() {
     step_off += dot(weights, lift) * normalize(weights.x * n_a + weights.y * n_b + weights.z * n_c);
     frame_p = vec4(lifted(x, weights, a, b, c, n_a, n_b, n_c) + step_off, float(number));
     frame_b = weights.yz;
+#ifdef CUT_OUT
+    vec2 uv = weights.x * texelFetch(cut_uv, corners.x).xy + weights.y * texelFetch(cut_uv, corners.y).xy
+        + weights.z * texelFetch(cut_uv, corners.z).xy;
+    if (texture(opacity_map, vec3(uv * opacity_repeats, 0.0)).r < opacity_threshold) discard;
+#endif
 #ifdef BEHIND
     if (gl_FragCoord.z <= texelFetch(behind, ivec2(gl_FragCoord.xy), 0).r + BEHIND_STEP) discard;
 #endif

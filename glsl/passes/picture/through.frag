@@ -16,6 +16,9 @@ void main() {
     mat3 surface_from_world = surface_from_world_at(pixel);
     vec3 omega_o = surface_from_world * omega_o_at(vec2(pixel) + 0.5);
     vec3 L = L_behind(pixel, vec3(omega_o.xy, max(omega_o.z, 1e-4)), surface_from_world);
+#ifdef PRINT
+    L *= tint_at(pixel);
+#endif
     color = vec4(L * (pass_weight * yarns_at(pixel)), 0.0);
 #ifdef PARTS
     bounce_color = vec4(0.0);

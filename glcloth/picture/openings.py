@@ -1,0 +1,83 @@
+"""Opacity maps: where cloth is not, by a picture over its UVs.   [own]"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import moderngl
+import numpy as np
+
+from ..color import luminance
+from ..geometry.mesh import Mesh
+from ..gpu.buffers import TextureBuffer
+from ..gpu.gbuffer import CutOut
+from ..gpu.pictures import even_size, picture_array, resampled
+from ..image import decode_codes, read_image
+from ..scene import ClothMap
+from .prints import texel_means
+
+PLACES = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [4, 4, 4]]) / np.array([[4], [4], [4], [12]])
+
+
+@dataclass(frozen=True, eq=False)
+class Opacity:
+    """An opacity map.
+
+    Parameters
+    ----------
+    shares : [H, W, 1] 0 open to 1 closed, the first row at v = 0
+    repeat : what one repeat covers, along u and v
+    in_metres : whether that is in metres and not in UV units
+    """
+
+    shares: np.ndarray
+    repeat: tuple[float, float]
+    in_metres: bool
+
+
+def load_opacity(entry: ClothMap) -> Opacity:
+    """Read an opacity map: the alpha of a picture that has some, else its codes, as they are. Raises InputError as
+    `read_image`."""
+    path = Path(entry.file)
+    picture = read_image(path)
+    if path.suffix.lower() in (".png", ".jpg", ".jpeg"):
+        picture = decode_codes(path)
+    alpha = picture.shape[2] == 4 and picture[..., 3].min() < 1.0
+    shares = picture[..., 3] if alpha else luminance(picture[..., :3])
+    shares = np.nan_to_num(np.asarray(shares, np.float32)[::-1, :, None]).clip(0.0, 1.0)
+    height = entry.repeat * shares.shape[0] / shares.shape[1] if entry.unit == "m" else entry.repeat
+    return Opacity(shares, (entry.repeat, height), entry.unit == "m")
+
+
+def open_last(mesh: Mesh, opacity: Opacity, scale: float) -> tuple[Mesh, int]:
+    """The mesh with its open triangles behind the others, and how many those others are, one at least.
+
+    Rays know no map: a triangle hides light wholly where more than half of it is closed, else not at all.
+    """
+    assert mesh.uv is not None
+    uv = np.nan_to_num(np.asarray(mesh.uv, float)[mesh.triangles]) * (scale / np.array(opacity.repeat))
+    closed = texel_means(opacity.shares, np.einsum("kc,tcd->ktd", PLACES, uv))[..., 0].mean(0)
+    order = np.argsort(closed <= 0.5, kind="stable")
+    part_of = None if mesh.part_of is None else mesh.part_of[order]
+    count = max(int((closed > 0.5).sum()), 1)
+    return replace(mesh, triangles=mesh.triangles[order], part_of=part_of), count
+
+
+class OpacityTexture:
+    """An opacity map on the GPU, as passes/picture/surface.frag reads it with the UVs of one mesh."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self._uv = TextureBuffer(ctx, 16)
+        self._texture: moderngl.TextureArray | None = None
+
+    def cut_out(self, opacity: Opacity, mesh: Mesh, scale: float) -> CutOut:
+        """Take a map and a mesh, whose UV unit is `scale` of the repeat's."""
+        assert mesh.uv is not None
+        if self._texture is not None:
+            self._texture.release()
+        size = even_size(*opacity.shares.shape[:2])
+        self._texture = picture_array(self.ctx, resampled(opacity.shares, size)[None])
+        self._uv.write(np.pad(mesh.uv, ((0, 0), (0, 2))).astype("f4"))
+        return CutOut(self._texture, self._uv, (scale / opacity.repeat[0], scale / opacity.repeat[1]))

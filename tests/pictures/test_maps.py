@@ -1,0 +1,215 @@
+"""Maps over the UVs of cloth: prints, and where cloth is open."""
+
+import numpy as np
+import pytest
+
+from glcloth.cli.options import scene_of
+from glcloth.cli.scene_options import SceneOptions
+from glcloth.color import srgb_decode
+from glcloth.errors import InputError
+from glcloth.fabric import load_fabric
+from glcloth.geometry.camera import Camera
+from glcloth.geometry.mesh import Mesh
+from glcloth.image import write_image
+from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.picture.cloths import Cloth
+from glcloth.picture.openings import load_opacity
+from glcloth.scene import OpacityMap, PrintMap, Scene, load_scene, save_scene
+
+INK = (0.7, 0.3, 0.1)
+SIZE = (48, 40)
+FRONT = Camera((0.0, 0.0, 5.0), (0.0, 0.0, 0.0), ortho=2.0)
+OVERHEAD = Camera((0.0, 5.0, 0.0), (0.0, 0.0, 0.0), (0.0, 0.0, -1.0), ortho=2.0)
+
+
+def board(cells=8, axis=2, at=0.0):
+    """A sheet of side 2 about the origin in the plane z = `at` (axis 2) or y = `at` (axis 1); its UVs run from 0 to 1."""
+    u, v = (a.ravel() for a in np.meshgrid(*2 * [np.linspace(0, 1, cells + 1)]))
+    x, y = 2 * u - 1, 2 * v - 1
+    positions = np.stack([x, y, 0 * x + at] if axis == 2 else [x, 0 * x + at, -y], -1)
+    i = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    corners = np.concatenate([np.stack([i, i + 1, i + cells + 2], -1), np.stack([i, i + cells + 2, i + cells + 1], -1)])
+    return Mesh.from_arrays(positions, corners, np.stack([u, v], -1), name="board")
+
+
+def texture(folder, rows, name="map.exr"):
+    """A picture of these rows of colours or shares, the top one first."""
+    rows = np.asarray(rows, np.float32)
+    write_image(folder / name, np.repeat(rows[..., None], 3, -1) if rows.ndim == 2 else rows)
+    return str(folder / name)
+
+
+def inks(folder, **look):
+    return {"file": texture(folder, np.tile(INK, (4, 4, 1))), **look}
+
+
+@pytest.mark.parametrize("method", ["direct", "reference"])
+@pytest.mark.parametrize("near", [False, True])
+def test_a_print_of_one_colour_is_a_fabric_of_that_colour(renderer, tmp_path, method, near):
+    """Far, at the adaptive rate, and with threads near. Of stripes each thread has its own colour."""
+    fabric = load_fabric("gingham" if near else "linen")
+    look = {
+        "size": SIZE,
+        "method": method,
+        "cube": 6,
+        "shadows": "off",
+        "adaptive": method == "direct" and not near,
+        "background": False,
+    }
+    look |= {"mesh": board(), "camera": Camera((0.02, 0.03, 0.1 if near else 4.0), (0.0, 0.0, 0.0))}
+    ink = np.array(INK)
+    if near:
+        stripes = {
+            name: tuple(s.changed(albedo=tuple(ink * s.albedo)) for s in getattr(fabric.weave, name))
+            for name in ("warp_stripes", "weft_stripes")
+        }
+        dyed = fabric.changed(weave=fabric.weave.changed(**stripes))
+    else:
+        dyed = fabric.changed(yarn=tuple(y.changed(albedo=tuple(ink * y.albedo)) for y in fabric.yarn))
+    expected = renderer.render(fabric=dyed, **look)
+    printed = renderer.render(fabric=fabric, print=inks(tmp_path), **look)
+    assert renderer.stage.cloths[0].threads.woven == near
+    np.testing.assert_allclose(printed, expected, rtol=2e-3, atol=2e-3 * expected.max())
+    assert np.abs(expected - renderer.render(fabric=fabric, **look)).max() > 0.1 * expected.max()
+
+
+QUARTERS = [[(1, 0, 0), (0, 1, 0)], [(0, 0, 1), (1, 1, 1)]]  # top left red, top right green, below blue and white
+
+
+@pytest.mark.parametrize(("repeat", "unit"), [(1.0, "uv"), (2.0, "m"), (1.0, "m")])
+def test_a_print_lies_upright_and_repeats_as_it_says(renderer, tmp_path, repeat, unit):
+    """The board is a UV unit and two metres wide; its own scale is measured."""
+    design = {"file": texture(tmp_path, np.repeat(np.repeat(QUARTERS, 8, 0), 8, 1)), "repeat": repeat, "unit": unit}
+    # Where nothing is printed only the gloss of the yarns is left.
+    layers = renderer.render(
+        mesh=board(), fabric="linen", print=design, camera=FRONT, size=(40, 40), shadows="off", aovs="albedo"
+    )
+    albedo = layers["albedo"]
+    half = 40 if repeat * (2.0 if unit == "uv" else 1.0) == 2.0 else 20
+    at = [half // 4, 3 * half // 4]
+    red, green, blue, white = (albedo[row, column] for row in at for column in at)
+    for color, channel in ((red, 0), (green, 1), (blue, 2)):
+        others = np.delete(np.arange(3), channel)
+        assert color[channel] == pytest.approx(white[channel], rel=1e-3) and (color[others] < 0.6 * white[others]).all()
+    if half == 20:
+        np.testing.assert_allclose(albedo[2:18, 2:18], albedo[22:38, 22:38], atol=1e-3)
+    # Shaded they differ alike.
+    picture = layers["beauty"]
+    assert picture[at[0], at[0], 0] > 1.05 * picture[at[1], at[0], 0]
+
+
+def test_the_mean_of_a_print_is_that_of_the_cloth_it_lies_on(renderer, tmp_path):
+    """A quarter of the picture is on the mesh: far cloth and a bounce have the colour of that."""
+    mesh = board()
+    corner = Mesh.from_arrays(mesh.positions, mesh.triangles, 0.4 * np.asarray(mesh.uv) + 0.05, name="corner")
+    design = {"file": texture(tmp_path, np.repeat(np.repeat(QUARTERS, 32, 0), 32, 1))}
+    look = {"mesh": corner, "camera": FRONT, "size": SIZE, "shadows": "off", "fabric": "linen"}
+    renderer.render(print=design, **look)
+    fabric = renderer.stage.cloths[0].scene_buffers.fabric
+    for before, after in zip(load_fabric("linen").yarn, fabric.yarn, strict=True):
+        np.testing.assert_allclose(after.albedo, np.multiply((0, 0, 1), before.albedo), atol=1e-6)
+
+
+def test_codes_are_srgb_unless_they_are_said_to_be_linear(renderer, tmp_path):
+    from PIL import Image
+
+    Image.new("RGB", (4, 4), (188, 90, 40)).save(tmp_path / "ink.png")
+    codes = np.array([188, 90, 40]) / 255
+    for space, expected in (("srgb", srgb_decode(codes)), ("linear", codes)):
+        renderer.render(
+            print={"file": str(tmp_path / "ink.png"), "space": space},
+            mesh="plane",
+            fabric="linen",
+            size=(8, 8),
+            shadows="off",
+        )
+        yarn = renderer.stage.cloths[0].scene_buffers.fabric.yarn[0]
+        np.testing.assert_allclose(yarn.albedo, expected * load_fabric("linen").yarn[0].albedo, rtol=1e-5)
+
+
+def test_paper_says_that_it_shows_the_mean(renderer, tmp_path, capsys):
+    look = {"mesh": "sphere", "size": (8, 8), "shadows": "off", "grid": 8, "method": "paper"}
+    renderer.render(print=inks(tmp_path), **look)
+    said = [line for line in capsys.readouterr().err.splitlines() if "print" in line]
+    assert len(said) == 1 and "paper" in said[0] and "mean" in said[0]
+
+
+# -- opacity -------------------------------------------------------------------------------------------------------------
+
+
+def test_open_cloth_is_not_there_and_the_rest_keeps_its_bits(renderer, tmp_path):
+    look = {"mesh": board(), "camera": FRONT, "size": (40, 40), "background": False, "fabric": "linen", "bounce": False}
+    closed = renderer.render(shadows="off", **look)
+    left = texture(tmp_path, np.repeat([[0.0, 1.0]], 2, 0))
+    cut = renderer.render(shadows="off", opacity=left, **look)
+    assert not cut[:, 1:19].any() and np.array_equal(cut[:, 21:39], closed[:, 21:39])
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.6, 1.0])
+def test_samples_cover_as_much_as_the_map_says(renderer, tmp_path, share):
+    opacity = texture(tmp_path, np.full((2, 2), share))
+    look = {"mesh": board(), "camera": FRONT, "size": (8, 8), "background": False, "spp": 20, "shadows": "off"}
+    assert renderer.render(opacity=opacity, **look)[4, 4, 3] == pytest.approx(share, abs=0.051)
+
+
+def test_open_cloth_casts_no_shadow(renderer, tmp_path):
+    """A sheet over a sheet in a slanting sun, its left half open: the shadow falls from the right half alone."""
+    low, high = board(16, 1), board(16, 1)
+    high = high.moved(0.5 * high.positions + np.array([0.0, 0.5, 0.0], "f4"))
+    slanting = Suns(np.array([[0.0, 1.0, -1.0]]) / np.sqrt(2.0), np.full((1, 3), 3.0))
+    sun = Lights(SphericalGaussians(np.array([[0.0, 1.0, 0.0]]), np.array([2.0]), np.full((1, 3), 0.1)), slanting)
+    linen = load_fabric("linen")
+    opacity = load_opacity(OpacityMap(file=texture(tmp_path, np.repeat([[0.0, 1.0]], 8, 0).repeat(8, 1))))
+    look = {
+        "camera": OVERHEAD,
+        "size": (40, 40),
+        "background": False,
+        "lights": sun,
+        "shadows": "full",
+        "bounce": False,
+    }
+    free = renderer.render(cloths=[Cloth(low, linen)], **look)[..., 1]
+    below = renderer.render(cloths=[Cloth(low, linen), Cloth(high, linen, opacity=opacity)], **look)[..., 1]
+    shadow = np.s_[32:37]  # 0.6 to 0.85 from the middle, where the upper sheet ends at 0.5
+    assert (below[shadow, 12:18] > 0.9 * free[shadow, 12:18]).all()
+    assert (below[shadow, 22:28] < 0.5 * free[shadow, 22:28]).all()
+    # Where the upper sheet is open the lower one is seen.
+    assert (below[12:28, 12:18] > 0.0).all()
+
+
+# -- from files and options ----------------------------------------------------------------------------------------------
+
+
+def test_options_name_maps_for_all_cloth_and_for_parts(tmp_path):
+    options = SceneOptions(print=["a.png", "Skirt=b.png"], print_repeat=0.3, print_unit="m", opacity=["lace.png"])
+    scene = scene_of(None, options)
+    assert scene.print == PrintMap(file="a.png", repeat=0.3, unit="m") and scene.opacity == OpacityMap(file="lace.png")
+    assert scene.prints == {"Skirt": PrintMap(file="b.png", repeat=0.3, unit="m")}
+    assert scene_of(None, SceneOptions()).print is None
+    with pytest.raises(InputError, match="--print-repeat: there is no print"):
+        scene_of(None, SceneOptions(print_repeat=0.5))
+    with pytest.raises(InputError, match="PART=PRINT"):
+        scene_of(None, SceneOptions(print=["=b.png"]))
+    with pytest.raises(InputError, match="print: repeat"):
+        scene_of(None, SceneOptions(print=["a.png"], print_repeat=-1.0))
+
+
+def test_a_scene_file_keeps_its_maps_beside_it(tmp_path):
+    texture(tmp_path, [[1.0]], "roses.exr")
+    (tmp_path / "s.toml").write_text('print = "roses.exr"\n[opacities.Trim]\nfile = "roses.exr"\nrepeat = 2\n')
+    scene = load_scene(tmp_path / "s.toml")
+    assert scene.print.file == str(tmp_path / "roses.exr") and scene.opacities["Trim"].repeat == 2
+    save_scene(tmp_path / "t.toml", scene)
+    assert 'file = "roses.exr"' in (tmp_path / "t.toml").read_text() and load_scene(tmp_path / "t.toml") == scene
+    assert Scene.parse(scene.stored()) == scene
+
+
+def test_maps_that_cannot_be_are_one_line(renderer, tmp_path):
+    look = {"size": (8, 8), "shadows": "off", "mesh": "sphere"}
+    with pytest.raises(InputError, match=r"none\.png"):
+        renderer.render(print=str(tmp_path / "none.png"), **look)
+    with pytest.raises(InputError, match="prints: no part is called Skirt"):
+        renderer.render(prints={"Skirt": inks(tmp_path)}, **look)
+    bare = Mesh.from_arrays(board().positions, board().triangles, name="bare")
+    with pytest.raises(InputError, match="print: mesh bare has no UVs"):
+        renderer.render(print=inks(tmp_path), **look | {"mesh": bare})
