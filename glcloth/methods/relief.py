@@ -16,11 +16,10 @@ from ..gpu.buffers import Buffer
 from ..gpu.programs import programs
 from ..weave.maps import Maps
 
-SIDE = 17  # texels of the table, of directions as a disk
+SIDE = 21  # texels of the table, of directions as a disk: of 17 the mean of heavy linen was 1.0 % off at 40 degrees, of 21 0.4
 FINEST = 32.0  # texels a yarn, from where on the mip levels show the same,
 LEVELS = 7  # and so many coarser ones: in the last a texel is two yarns, which have no height
-SAMPLES = 4096, 1024  # of a repeat, at each level, and at the last two
-# Twice as many samples, or 25 texels a side, change the mean of a picture by 0.3 %.
+SAMPLES = 3072, 768  # of a repeat, at each level, and at the last two
 
 
 def relief_heights(maps: Maps, relief: float) -> np.ndarray:
