@@ -13,7 +13,7 @@ from ..fabric import Fabric
 from ..gpu.memo import Last
 from ..weave.maps import Maps, mip_levels
 from ..weave.tile import tile_size
-from .relief import first_level, relief_heights, relief_table
+from .relief import LEVELS, first_level, relief_heights, relief_table
 
 FAR_YARNS, FAR_REPEATS = 2.0, 0.5  # yarns in a pixel, or repeats if these are more, from which on it shows none
 
@@ -96,16 +96,16 @@ class WeaveMaps:
             return {}
         # The table takes longer than a hand is ready to wait; the first answer to an edit does without.
         relief = 0.0 if weave.is_sketch else weave.relief
-        read = {**read, "relief_heights": relief_heights(maps, relief)}
         shape = (
             weave.draft,
             *(getattr(weave.shape, field.name) for field in fields(weave.shape) if field.name != "draft"),
         )
         picks, ends = weave.drafted.structure
         size = maps.hole.shape
-        first = first_level(size, (ends, picks))
+        first, hole = first_level(size, (ends, picks)), float(maps.hole.mean())
+        read = {**read, "relief_heights": relief_heights(maps, relief), "relief_end": first + 0.5 * (LEVELS - 1)}
         table = self._relief.get(
-            lambda: self._table(relief_table(self.ctx, read, groups, first, relief == 0.0)),
+            lambda: self._table(relief_table(self.ctx, read, groups, first, hole, relief == 0.0)),
             *(
                 shape,
                 weave.occlusion,
