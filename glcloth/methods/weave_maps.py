@@ -13,7 +13,7 @@ from ..fabric import Fabric
 from ..gpu.memo import Last
 from ..weave.maps import Maps, mip_levels
 from ..weave.tile import tile_size
-from .relief import first_level, relief_heights, relief_table
+from .relief import LEVELS, first_level, relief_heights, relief_table
 
 FAR_YARNS, FAR_REPEATS = 2.0, 0.5  # yarns in a pixel, or repeats if these are more, from which on it shows none
 
@@ -57,7 +57,7 @@ class WeaveMaps:
 
     def _make(self, fabric: Fabric, groups: int, lanes: int) -> dict[str, Any]:
         assert fabric.weave is not None
-        self.release()
+        self._release_maps()
         maps = fabric_maps(fabric)
         layers = np.zeros((2, groups, 4, *maps.hole.shape), np.float32)
         side = fabric.weave.roll * maps.roll / np.where(maps.share > 0.0, maps.share, 1.0)
@@ -96,14 +96,26 @@ class WeaveMaps:
             return {}
         # The table takes longer than a hand is ready to wait; the first answer to an edit does without.
         relief = 0.0 if weave.is_sketch else weave.relief
-        read = {**read, "relief_heights": relief_heights(maps, relief)}
-        shape = weave.draft, *(getattr(weave.shape, field.name) for field in fields(weave.shape) if field.name != "draft")
+        shape = (
+            weave.draft,
+            *(getattr(weave.shape, field.name) for field in fields(weave.shape) if field.name != "draft"),
+        )
         picks, ends = weave.drafted.structure
         size = maps.hole.shape
-        first = first_level(size, (ends, picks))
+        first, hole = first_level(size, (ends, picks)), float(maps.hole.mean())
+        read = {**read, "relief_heights": relief_heights(maps, relief), "relief_end": first + 0.5 * (LEVELS - 1)}
         table = self._relief.get(
-            lambda: self._table(relief_table(self.ctx, read, groups, first, relief == 0.0)),
-            *(shape, weave.occlusion, weave.roll, relief, tuple(fabric.tangents), fabric.weights.tobytes(), groups, size),
+            lambda: self._table(relief_table(self.ctx, read, groups, first, hole, relief == 0.0)),
+            *(
+                shape,
+                weave.occlusion,
+                weave.roll,
+                relief,
+                tuple(fabric.tangents),
+                fabric.weights.tobytes(),
+                groups,
+                size,
+            ),
         )
         levels = first, table.depth // (2 * groups + 1)
         return {**read, "relief_table": table, "relief_levels": np.array(levels, "f4")}
@@ -131,11 +143,18 @@ class WeaveMaps:
         GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, 0)
         return texture
 
-    def release(self) -> None:
-        """Free the GPU's memory."""
+    def _release_maps(self) -> None:
         for texture in self._textures:
             texture.release()
         self._textures = []
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self._release_maps()
+        if self._relief_table is not None:
+            self._relief_table.release()
+            self._relief_table = None
+            self._relief.forget()
 
 
 def _noise(ctx: moderngl.Context) -> moderngl.Texture:

@@ -1,20 +1,22 @@
 """What threads near by do to the picture: does the mean stay that of the far cloth, from every side and at every distance?
 
-python tests/measure/weave.py [means zoom cost] [--fabrics denim_raw,tartan] [--rounds 9]
+python tests/measure/weave.py [means zoom cost pictures] [--fabrics denim_raw,tartan] [--rounds 9] [--sheet threads.jpg]
 
 means: whole repeats under the studio, near over far - 1 in %, by angle of view: with weights and occlusion alone, with roll,
-and with irregular yarns (over 0.3 m); then with roll at 0.25, 0.5 and 1 yarn a pixel. zoom: a plane seen at 35 degrees, a
+with relief; so at 0.25, 0.5 and 1 yarn a pixel; and with irregular yarns over 300 of them. zoom: a plane seen at 35 degrees, a
 width of 1 cm to 3 m in steps of 3 %: the largest step of the mean, its largest deviation, and the deviation of means of 16 x 16
-pixels (moire). cost: CPU time of a frame 4 cm wide, with threads over without, and by the adaptive rate.
+pixels (moire). cost: CPU time of a frame 4 cm wide, with threads over without, and by the adaptive rate. pictures: a sheet of
+30 cm, 4 cm and 1.2 cm of each.
 """
 
 import statistics
 
 import common
 import numpy as np
+from PIL import Image
 
 import glcloth
-from glcloth.color import luminance
+from glcloth.color import luminance, srgb_encode
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
 from glcloth.methods.weave_maps import repeat_of
@@ -23,6 +25,7 @@ FABRICS = ["linen_heavy", "denim_raw", "duchesse_satin", "charmeuse", "silk_shot
 THETAS = (5, 25, 40, 60, 70, 82)
 EVEN = {"shift": 0.0, "yarn": 0.0, "fibre": 0.0}
 STEP = 1.03
+BRIGHTEST = 0.35  # mean of a picture: a satin may mirror the lamp
 
 
 def woven(fabric, even=True, **changes):
@@ -59,14 +62,16 @@ def means(renderer, names):
         def over(fabric, side, pixels, repeat=repeat):
             w, h = (r * max(round(side / r), 1) for r in repeat)
             mesh, wide = sheet(w, h), 1.5 * max(w, h)
-            size = (min(round(1.5 * max(w, h) / pixels), 640),) * 2
+            size = (min(round(1.5 * max(w, h) / pixels), 400),) * 2
             return [
                 ratio(renderer, fabric, mesh=mesh, camera=view(t, 20 + 50 * i, wide), size=size)
                 for i, t in enumerate(THETAS)
             ]
 
-        common.row(name, "weights, occlusion", *over(woven(fabric, roll=0.0), 40 * yarn, yarn / 8))
-        common.row("", "and roll", *over(woven(fabric), 40 * yarn, yarn / 8))
+        flat = woven(fabric, relief=0.0)
+        common.row(name, "weights, occlusion", *over(woven(flat, roll=0.0), 40 * yarn, yarn / 8))
+        common.row("", "and roll", *over(flat, 40 * yarn, yarn / 8))
+        common.row("", "and relief", *over(woven(fabric), 40 * yarn, yarn / 8))
         for share in (0.25, 0.5, 1.0):
             common.row("", f"{share} yarns a pixel", *over(woven(fabric), 300 * share * yarn, share * yarn))
         common.row("", "irregular yarns", *over(fabric, 300 * yarn, yarn / 2))
@@ -116,13 +121,26 @@ def cost(renderer, names, rounds):
         common.row(name, near / far, near / adaptive)
 
 
+def pictures(renderer, names, path):
+    cells = []
+    for name in names:
+        look = {"fabric": name, "mesh": sheet(1.0, 1.0), "size": (320, 240), "spp": 4, "shadows": "off"}
+        for width in (0.3, 0.04, 0.012):
+            near = np.asarray(renderer.render(camera=view(38, 65, width, 4 / 3), background=False, **look))[..., :3]
+            cells.append(near * min(1.0, BRIGHTEST / float(near.mean())))
+    lines = [np.concatenate(cells[i : i + 6], 1) for i in range(0, len(cells) // 6 * 6, 6)]
+    codes = np.round(255 * srgb_encode(np.concatenate(lines).clip(0.0, 1.0))).astype("u1")
+    Image.fromarray(codes).resize((codes.shape[1] * 2 // 3, codes.shape[0] * 2 // 3)).save(path, quality=78)
+
+
 def main():
-    options = common.options(__doc__, ["means", "zoom", "cost"], fabrics=FABRICS, rounds=9)
+    options = common.options(__doc__, ["means", "zoom", "cost"], fabrics=FABRICS, rounds=9, sheet="threads.jpg")
     with glcloth.Renderer() as renderer:
         for what in options.environments:
-            {"means": means, "zoom": zoom, "cost": lambda r, n: cost(r, n, options.rounds)}[what](
-                renderer, options.fabrics
-            )
+            {
+                "means": means, "zoom": zoom, "cost": lambda r, n: cost(r, n, options.rounds),
+                "pictures": lambda r, n: pictures(r, n, options.sheet),
+            }[what](renderer, options.fabrics)  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -4,13 +4,15 @@
 uniform sampler2DArray weave_map;  // GROUPS layers of rel, then of turn; then one: 1 in holes, height in units
 uniform vec2 weave_repeats;        // 1/m, along u and v
 uniform vec3 relief_heights;       // metres of a unit; the highest and the lowest place, units
+uniform float relief_end;          // mip level at which yarns have no height: pixels are too coarse to tell
 const float RELIEF_STEPS = 8.0;
 
 float height_at(vec2 place, float level) { return textureLod(weave_map, vec3(place, float(2 * GROUPS)), level).g; }
 
 // The way from `place`, in repeats, to what is seen there from omega: its first two components along u and v.
 vec2 relief_shift(vec2 place, float level, vec3 omega) {
-    vec2 way = relief_way(omega) * relief_heights.x * weave_repeats;
+    float left = clamp(0.5 * (relief_end - level), 0.0, 1.0);
+    vec2 way = relief_way(omega) * (left * relief_heights.x) * weave_repeats;
     float z = relief_heights.y, down = (relief_heights.z - z) / RELIEF_STEPS, n = 0.0;
     do z += down; while (height_at(place + way * z, level) < z && ++n < RELIEF_STEPS);
     // The ray meets the cloth in the last step; halved twice, so that no step shows at the edges of floats.

@@ -1,6 +1,6 @@
 #version 430
 // Means over a repeat of what the maps of threads show from a direction, where yarns hide each other.   [own]
-// Defines: GROUPS, EACH_GROUP(F), LEVELS. An invocation makes those of one direction and mip level. See glcloth/methods/relief.py.
+// Defines: GROUPS, EACH_GROUP(F). An invocation makes those of one direction and mip level. See glcloth/methods/relief.py.
 #include "core/disk.glsl"
 #include "inputs/methods/relief.glsl"
 layout(local_size_x = 64) in;
@@ -9,7 +9,7 @@ layout(std430) writeonly buffer Means { vec4 mean[]; };  // [2 GROUPS + 1, level
 uniform int table_side;
 uniform int levels;
 uniform int first_level;  // the mip level of the first
-uniform int sample_counts[LEVELS];
+uniform int sample_count;
 
 vec4 rel_sum[GROUPS], turn_sum[GROUPS];
 
@@ -17,11 +17,11 @@ void main() {
     int texels = table_side * table_side, i = item();
     if (i >= texels * levels) return;
     int level = i / texels, at = i % texels, n = 0;
-    float lod = float(first_level + level);
+    float lod = float(first_level) + 0.5 * float(level);
     vec2 p = 2.0 * vec2(at % table_side, at / table_side) / float(table_side - 1) - 1.0;
     vec3 omega = from_disk(p);
     // Two texels beyond the horizon nothing is read.
-    int count = length(p) > 1.0 + 4.0 / float(table_side - 1) ? 1 : sample_counts[level];
+    int count = length(p) > 1.0 + 4.0 / float(table_side - 1) ? 1 : sample_count;
     float hole = 0.0;
     // Errors of neighbouring directions differ, so that they cancel where the table is interpolated.
     vec2 start = fract(float(i) * vec2(0.6180339887, 0.4142135624));
