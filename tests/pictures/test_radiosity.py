@@ -237,6 +237,11 @@ def test_no_light_is_gained(as_it_was, fabric, least):
     assert (folds.lamp >= 0).all() and (folds.lamp.sum(0) < 1).all()
     assert folds.passes.min() >= least
     if fabric == "blackout":  # but for ways round its rim
+        _, E = lit(show)
+        x, n = show.radiosity.factors.receivers
+        reveal, wall = x[:, 2] < 0, n[:, 2] < -0.9
+        wall &= x[:, 2] > 3.9
+        assert E[wall].mean() < 0.07 * E[reveal].mean()  # 0.085 if the curtain did not dim what crosses it
         assert folds.passes.max() < 2e-3 and folds.transmitted.max() < 0.03
 
 
