@@ -40,7 +40,8 @@ def relief_table(
 ) -> moderngl.Texture3D:
     """Means of rel, of turn and of the holes over a repeat, from each direction: texture [(2 groups + 1) LEVELS, SIDE, SIDE].
 
-    inputs : what inputs/methods/relief.glsl reads. first : `first_level`. hole : mean share of holes. flat : yarns have no height, so one level serves.
+    inputs : what inputs/methods/relief.glsl reads. first : `first_level`. hole : mean share of holes.
+    flat : yarns have no height, so one level serves.
     """
     levels = 1 if flat else LEVELS
     each = " ".join(f"F({g});" for g in range(groups))
