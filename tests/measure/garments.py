@@ -61,8 +61,8 @@ def write(path, parts):
         lines.append(f"g {material}\nusemtl {material}")
         for points, uv in surfaces:
             rows, columns = points.shape[:2]
-            lines += ["v %.4f %.4f %.4f" % tuple(p) for p in points.reshape(-1, 3)]
-            lines += ["vt %.5f %.5f" % tuple(p) for p in uv.reshape(-1, 2)]
+            lines += ["v {:.4f} {:.4f} {:.4f}".format(*tuple(p)) for p in points.reshape(-1, 3)]
+            lines += ["vt {:.5f} {:.5f}".format(*tuple(p)) for p in uv.reshape(-1, 2)]
             n = first + np.arange(rows * columns).reshape(rows, columns)
             for a, b, c, d in np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], -1).reshape(-1, 4):
                 lines.append(f"f {a}/{a} {b}/{b} {c}/{c} {d}/{d}")
