@@ -134,6 +134,18 @@ def test_paper_says_that_it_shows_the_mean(renderer, tmp_path, capsys):
     assert len(said) == 1 and "paper" in said[0] and "mean" in said[0]
 
 
+def test_light_through_sheer_cloth_is_tinted_and_bare_cloth_shines_through(renderer, tmp_path):
+    """From behind, in the light of a sun before it: of a print of one colour what comes through has that colour."""
+    sun = Lights(SphericalGaussians(np.array([[0.0, 1.0, 0.0]]), np.array([2.0]), np.full((1, 3), 1e-6)),
+                 Suns(np.array([[0.0, 0.0, 1.0]]), np.full((1, 3), 3.0)))  # fmt: skip
+    look = {"mesh": board(), "camera": Camera((0.3, 0.2, -5.0), (0.0, 0.0, 0.0)), "size": (16, 16), "lights": sun}
+    look |= {"fabric": "sheer_voile", "threads": False, "background": False}
+    bare = renderer.render(**look)[8, 8, :3]
+    tinted = renderer.render(print=inks(tmp_path), **look)[8, 8, :3]
+    np.testing.assert_allclose(tinted, np.multiply(INK, bare), rtol=0.02)
+    assert bare.min() > 0.01
+
+
 # -- opacity -------------------------------------------------------------------------------------------------------------
 
 

@@ -7,5 +7,3 @@ vec3 T_s_at(ivec2 pixel, vec3 omega_o) { return T_straight(omega_o, k_a, k_t, ta
 
 // How many yarns there are at a pixel, over how many there are in the mean.
 float yarns_at(ivec2 pixel) { return 1.0; }
-
-#include "inputs/picture/tint.glsl"

@@ -8,5 +8,3 @@ vec3 T_s_at(ivec2 pixel, vec3 omega_o) {
 }
 
 float yarns_at(ivec2 pixel) { return (1.0 - hole_share(pixel)) / max(1.0 - hole_mean, 1e-6); }
-
-#include "inputs/picture/tint.glsl"
