@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..progress import say, track
 from .common import Device, Json, tell
 
-FABRIC, DRAFT, MESH, MAP = "mine.toml", "denim.wif", "dress.glb", "studio.exr"
+FABRIC, DRAFT, MESH, MAP, PRINT = "mine.toml", "denim.wif", "dress.glb", "studio.exr", "roses.png"
 POSES = "poses/%04d.ply"
 
 
@@ -25,7 +25,7 @@ def samples(
     device: Device = None,
     json: Json = False,
 ) -> None:
-    """Write files to begin with: a fabric, a weaver's draft, a mesh with UVs, a light map and poses of a moving cloth.
+    """Write files to begin with: a fabric, a weaver's draft, a mesh with UVs, a light map, a print and poses of moving cloth.
 
     They are what the documents' commands name, and show the form of your own. Files that exist are kept.
 
@@ -40,7 +40,7 @@ def samples(
         raise InputError(f"--wind {wind}: expected -20 to 20 m/s")
     make_folder(folder)
     written, kept = [], []
-    makers = {FABRIC: _fabric, DRAFT: _draft, MESH: _mesh, MAP: _map}
+    makers = {FABRIC: _fabric, DRAFT: _draft, MESH: _mesh, MAP: _map, PRINT: _print}
     for name, make in makers.items():
         _keep_or_make(folder / name, make, written, kept)
     if poses:
@@ -121,6 +121,25 @@ def _map(path: Path) -> None:
     from ..light.environment import load_environment
 
     write_image(path, load_environment("studio").radiance, half=True)
+
+
+def _print(path: Path) -> None:
+    """Roses of five petals, cos(5 phi / 2)^2, with leaves, on cream; the tile repeats, every second row half a tile on."""
+    import numpy as np
+    from PIL import Image
+
+    from ..files import atomic_write
+
+    y, x = (np.mgrid[0:512, 0:512] + 0.5) / 512
+    tile = np.full((512, 512, 3), (246, 238, 222), np.uint8)
+    places = [(0.25, 0.25, 0.3), (0.75, 0.75, 1.1)]  # x, y, turn
+    for petals, reach, color in ((2, 0.23, (92, 120, 84)), (5, 0.17, (186, 44, 62)), (5, 0.10, (222, 104, 112))):
+        for u, v, turn in places:
+            dx, dy = (x - u + 0.5) % 1 - 0.5, (y - v + 0.5) % 1 - 0.5
+            rim = reach * (0.45 + 0.55 * np.cos(petals * (np.arctan2(dy, dx) - turn) / 2) ** 2)
+            tile[np.hypot(dx, dy) < rim] = color
+    with atomic_write(path) as temporary:
+        Image.fromarray(tile).save(temporary)
 
 
 def _poses(
