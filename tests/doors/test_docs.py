@@ -2,12 +2,14 @@
 
 import contextlib
 import re
+import sys
 import tomllib
 from pathlib import Path
 
 import documents
 import pytest
 
+import glcloth
 from glcloth import cli
 from glcloth.cli.samples import POSES
 from glcloth.fabric import Fabric
@@ -37,12 +39,30 @@ def known(words, where):
         assert words[0] in OTHER_PROGRAMS, f"{where}: what is {words[0]}?"
 
 
+@pytest.fixture
+def one_renderer(renderer):
+    """Whoever makes a Renderer gets the session's; modules that are first imported meanwhile get the class again after it."""
+    from glcloth.picture.renderer import Renderer
+
+    def stands_in(*_, **__):
+        return contextlib.nullcontext(renderer)
+
+    def put(one, other):
+        for name, module in list(sys.modules.items()):
+            if name.split(".")[0] == "glcloth" and vars(module).get("Renderer") is one:
+                module.Renderer = other
+
+    glcloth.Renderer = Renderer  # which is found at its first use
+    put(Renderer, stands_in)
+    yield renderer
+    put(stands_in, Renderer)
+
+
 @pytest.mark.parametrize("document", documents.DOCUMENTS, ids=NAMES)
-def test_commands_and_code_run(document, tmp_path, monkeypatch, renderer):
+def test_commands_and_code_run(document, tmp_path, monkeypatch, one_renderer):
     """In the order of the text and in one folder, so that a file that nothing makes is missing here as well."""
     monkeypatch.chdir(tmp_path)
-    for home in ("glcloth", "glcloth.picture.renderer"):  # one context for all, as the other tests have it
-        monkeypatch.setattr(f"{home}.Renderer", lambda device=None: contextlib.nullcontext(renderer))
+    renderer = one_renderer
     for block in documents.blocks(document):
         where = f"{document.name}:{block.line}"
         if block.language == "sh":
