@@ -158,6 +158,8 @@ def test_holes_show_what_is_behind(renderer):
 def test_paper_says_that_it_shows_the_far_cloth(renderer, monkeypatch):
     said = []
     monkeypatch.setattr(threads, "warn", said.append)
+    for cloth in renderer.stage.cloths:  # which may have said it in an earlier test
+        cloth.threads._warned.clear()
     fabric = load_fabric("silk_shot")
     look = {**LOOK, "mesh": patch(fabric), "camera": camera(30, 20), "method": "paper", "size": (120, 120), "grid": 12}
     near, far = (renderer.render(fabric=f, **look) for f in (fabric, fabric.changed(weave=None)))

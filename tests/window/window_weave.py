@@ -21,6 +21,13 @@ from glcloth.window.app import App
 from glcloth.window.draft_grid import Cell, Grid
 
 
+def steps(app, count=30):
+    """Step so often that a key and the pointer have arrived, which the panels hear one after another."""
+    for _ in range(count):
+        glfw.post_empty_event()
+        app.step()
+
+
 class Weaver(window_walk.Hand):
     """Draws on the grid by its cells."""
 
@@ -108,8 +115,10 @@ def walk(folder):
     hand.do(["mousemove", 32, 250])
     bare = window_walk.picture_of(hand.keep("bare"), app)
     hand.do(["keydown", "n"])
+    steps(app)
     held = window_walk.picture_of(hand.keep("thread_counter"), app)
     hand.do(["keyup", "n"])
+    steps(app)
     out["counter"] = [
         int((np.abs(held - bare).max(-1) > 40).sum()),
         bool(np.array_equal(window_walk.picture_of(hand.keep("let_go"), app), bare)),
