@@ -235,13 +235,12 @@ def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool, laye
 # PNG and JPEG -----------------------------------------------------------------------------------------------------
 
 
-def _with_oiio(path: Path, unassociated: bool = False) -> np.ndarray:
-    """Pixels [H, W, C] as floats 0..1 (or scene values), by OpenImageIO."""
+def _with_oiio(path: Path) -> np.ndarray:
+    """Pixels [H, W, C] as floats 0 to 1, by OpenImageIO."""
     import OpenImageIO
 
     config = OpenImageIO.ImageSpec()
-    if unassociated:
-        config["oiio:UnassociatedAlpha"] = 1
+    config["oiio:UnassociatedAlpha"] = 1
     with silence():
         file = OpenImageIO.ImageInput.open(str(path), config)
         pixels = file.read_image("float") if file else None
@@ -280,7 +279,7 @@ def _read_display(path: Path) -> np.ndarray:
     if path.suffix.lower() == ".png" and _png_bit_depth(path) == 16:
         # Pillow would cut 16-bit colours to 8 bits.
         check_pixels(path, *_png_size(path), path.stat().st_size)
-        code = _with_oiio(path, unassociated=True)
+        code = _with_oiio(path)
         if code.shape[-1] <= 2:
             code = np.concatenate([np.repeat(code[..., :1], 3, -1), code[..., 1:]], -1)
     else:
@@ -292,6 +291,8 @@ def _read_display(path: Path) -> np.ndarray:
 
 
 def _codes(picture) -> np.ndarray:
+    if picture.mode.startswith("I"):  # 16 bits of grey, which `convert` would cut at 255
+        return np.repeat(np.asarray(picture, np.float32)[..., None], 3, -1) / 65535.0
     alpha = picture.mode in ("RGBA", "LA", "PA", "RGBa", "La") or "transparency" in picture.info
     return np.asarray(picture.convert("RGBA" if alpha else "RGB"), np.float32) / 255.0
 

@@ -212,7 +212,7 @@ class Scene(Value):
     uv_scale: float = cloth(
         "m", "length of a UV unit of the mesh, for the size of threads; 0: measured", default=0.0, ge=0, le=1000)
     mesh: str | tuple[str, ...] = cloth(
-        "", "built-in mesh or a file (.obj .ply .glb .gltf); repeatable", default="drape", file=True, repeat=True)
+        "", "built-in mesh or a file (.obj .ply .glb .gltf .stl .off); repeatable", default="drape", file=True, repeat=True)
     print: PrintMap | None = cloth(
         "", "a picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; "
         "repeatable", default=None, file=True, repeat=True)
@@ -499,8 +499,8 @@ def _whole(name: str) -> str:
 
 
 def _is_path(name: str) -> bool:
-    """Whether a name is none of the built-in ones, which have neither folder nor suffix."""
-    return Path(name).suffix != "" or len(Path(name).parts) > 1
+    """Whether a name is none of the built-in ones, which have neither folder nor suffix, or are a URI (ocio://default)."""
+    return "://" not in name and (Path(name).suffix != "" or len(Path(name).parts) > 1)
 
 
 def _beside(folder: Path, name: str) -> str:

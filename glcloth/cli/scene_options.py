@@ -16,7 +16,7 @@ class SceneOptions:
     fabric: Annotated[list[str] | None, Parameter(name="--fabric", negative="", help="Built-in fabric, a .toml file or a draft (.wif); PART=FABRIC for a material, group or object alone (* and ? match any); repeatable.")] = None
     threads: Annotated[bool | None, Parameter(help="Threads where one comes near, of a fabric with a weave (direct, reference).")] = None
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
-    mesh: Annotated[list[str] | None, Parameter(name="--mesh", negative="", help="Built-in mesh or a file (.obj .ply .glb .gltf); repeatable.")] = None
+    mesh: Annotated[list[str] | None, Parameter(name="--mesh", negative="", help="Built-in mesh or a file (.obj .ply .glb .gltf .stl .off); repeatable.")] = None
     print: Annotated[list[str] | None, Parameter(name="--print", negative="", help="A picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; repeatable.")] = None
     opacity: Annotated[list[str] | None, Parameter(name="--opacity", negative="", help="A picture that says where cloth is, over the UVs: black is open; a table in files; PART=FILE for a part alone; repeatable.")] = None
     objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, in its own colours; behind it @x,y,z,scale,turn (metres, factor, degrees about +Y), as many as are needed; repeatable.")] = None

@@ -53,6 +53,7 @@ class _Scene:
         self.document = document
         self.colored = colored
         self._vertices = self._triangles = 0
+        self._materials: dict[tuple[int | None, bool], Material] = {}
 
     def pieces(self) -> Iterator[RawMesh]:
         """Each primitive of each node of the scene."""
@@ -109,7 +110,7 @@ class _Scene:
             if number in found:
                 raise ValueError(f"node {number} hangs from two others")
             table = self.document.item("nodes", number)
-            found[number] = _Node(number, table, above @ _matrix(table))
+            found[number] = _Node(number, table, above @ node_matrix(table))
             todo += [(child, found[number].world) for child in reversed(table.get("children", ()))]
         return found
 
@@ -124,6 +125,9 @@ class _Scene:
             number = todo.pop()
             if number not in self.nodes:
                 raise ValueError(f"node {number} is not there, or hangs from itself")
+            extensions = self.nodes[number].table.get("extensions") or {}
+            if not (extensions.get("KHR_node_visibility") or {}).get("visible", True):
+                continue  # nor what hangs from it
             order.append(number)
             todo += list(reversed(self.nodes[number].table.get("children", ())))
         if len(set(order)) < len(order):
@@ -157,7 +161,7 @@ class _Scene:
         rows = {name: self.document.accessor(attributes[name], (width,))
                 for name, width in columns.items() if name in attributes}  # fmt: skip
         local = [{name.lower(): row[i].tolist() for name, row in rows.items()} for i in range(count)]
-        return np.array([_matrix(table) for table in local]).reshape(count, 4, 4)
+        return np.array([node_matrix(table) for table in local]).reshape(count, 4, 4)
 
     # -- primitives --------------------------------------------------------------------------------------------------
 
@@ -193,7 +197,7 @@ class _Scene:
         colors = self._attribute(attributes, "COLOR_0", (3, 4), count) if self.colored else None
         one = np.zeros(len(triangles), np.int32)
         piece = RawMesh(
-            positions, triangles, uv, normals, ((),), one, (self._material(primitive),), one,
+            positions, triangles, uv, normals, ((),), one, (self._material(primitive, colors is not None),), one,
             None if colors is None else np.clip(colors[triangles].mean(1)[:, :3], 0.0, 1.0),
         )  # fmt: skip
         return _compact(piece)
@@ -241,11 +245,21 @@ class _Scene:
         bent = np.einsum("vij,vj->vi", linear, positions) + blend[:, :3, 3]
         return bent, None if normals is None else _turned(normals, linear)
 
-    def _material(self, primitive: dict) -> Material:
-        """The material of a primitive, its picture by file or bytes."""
-        if "material" not in primitive:
-            return Material("", (0.5, 0.5, 0.5))
-        table = self.document.item("materials", primitive["material"])
+    def _material(self, primitive: dict, has_colors: bool) -> Material:
+        """The material of a primitive, the same one wherever it is asked for again; `has_colors`: of its vertices."""
+        key = primitive.get("material"), has_colors
+        if key not in self._materials:
+            self._materials[key] = self._read_material(*key)
+        return self._materials[key]
+
+    def _read_material(self, number: int | None, has_colors: bool) -> Material:
+        """A material, its picture by file or bytes."""
+        # A material that says no colour would be white, all of whose light comes back: grey is likelier. Colours of
+        # vertices say it.
+        unsaid = 1.0 if has_colors else 0.5
+        if number is None:
+            return Material("", (unsaid,) * 3)
+        table = self.document.item("materials", number)
         name = str(table.get("name") or "")
         if not self.colored:
             return Material(name)
@@ -255,8 +269,7 @@ class _Scene:
         if older:
             factor, picture = older.get("diffuseFactor"), older.get("diffuseTexture")
         texture = self._picture(picture) if picture else None
-        # A material that says no colour would be white, all of whose light comes back: grey is likelier.
-        color = np.full(3, 1.0 if texture else 0.5) if factor is None else np.asarray(factor, float)[:3]
+        color = np.full(3, 1.0 if texture else unsaid) if factor is None else np.asarray(factor, float)[:3]
         r, g, b = np.clip(color, 0.0, 1.0).tolist()
         roughness, metalness = (
             float(np.clip(pbr.get(key, 1.0), 0.0, 1.0)) for key in ("roughnessFactor", "metallicFactor")
@@ -278,7 +291,7 @@ class _Scene:
         return beside(self.document.path, uri) or beside(self.document.path, unquote(uri))
 
 
-def _matrix(table: dict) -> np.ndarray:
+def node_matrix(table: dict) -> np.ndarray:
     """The matrix [4, 4] of a node from its matrix, or its translation, rotation and scale."""
     if "matrix" in table:
         return np.array(table["matrix"], float).reshape(4, 4).T

@@ -33,7 +33,7 @@ class Mesh:
     tangents [V, 4] float32: xyz = yarn 1, unit and orthogonal to the normal, w = +-1: yarn 2 = w cross(N, xyz).
     parts: the names of each part that the file tells apart, (material, group, object) as far as it has them;
     part_of [T] int32: each triangle's part. origin: where (0, 0, 0) is in the file's space, m, other than there only for
-    a mesh that lies far from it.
+    a mesh that lies far from it. scale: metres in a unit of the file.
     """
 
     name: str
@@ -45,6 +45,7 @@ class Mesh:
     parts: tuple[Names, ...] = ()
     part_of: np.ndarray | None = None
     origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    scale: float = 1.0
 
     @classmethod
     def from_arrays(

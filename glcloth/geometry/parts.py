@@ -76,6 +76,7 @@ def taken(mesh: Mesh, wanted: np.ndarray) -> Mesh:
         mesh.parts,
         None if mesh.part_of is None else mesh.part_of[wanted],
         mesh.origin,
+        mesh.scale,
     )
 
 
@@ -94,6 +95,7 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
         np.concatenate([mesh.uv for mesh in meshes if mesh.uv is not None]) if with_uv else None,
         np.concatenate([mesh.tangents for mesh in meshes]),
         origin=meshes[0].origin,
+        scale=meshes[0].scale,
     )
 
 

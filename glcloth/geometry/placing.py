@@ -34,6 +34,7 @@ def placed(mesh: Mesh, scale: float = 1.0, turn_deg: float = 0.0, offset: Sequen
         mesh,
         positions=scale * mesh.positions.astype(float) @ turn.T + np.asarray(offset, float),
         origin=tuple((scale * turn @ np.asarray(mesh.origin, float)).tolist()),
+        scale=scale * mesh.scale,
         normals=mesh.normals @ turn.T,
         tangents=np.column_stack([mesh.tangents[:, :3] @ turn.T, mesh.tangents[:, 3]]),
     )

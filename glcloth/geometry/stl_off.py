@@ -75,7 +75,7 @@ def read_off(blob: bytes, where: str) -> RawMesh:
     try:
         vertices, faces = (int(word) for word in lines[0].split()[:2])
         check_counts(where, vertices, faces)
-        if vertices + faces >= len(lines) + 1 or min(vertices, faces) < 0:
+        if vertices + faces >= len(lines) or min(vertices, faces) < 0:
             raise ValueError(f"{len(lines)} lines, too few for what its header says")
         rows = parsed(b"\n".join(lines[1 : 1 + vertices]), np.float64)
         width = len(rows) // max(vertices, 1)

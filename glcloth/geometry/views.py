@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import json
-import struct
 from functools import lru_cache
 from pathlib import Path
 
@@ -12,7 +10,11 @@ import numpy as np
 from pyrr import vector
 
 from ..errors import InputError
+from ..files import is_file, read_bytes
 from .camera import Camera
+from .gltf import BROKEN, Document
+from .gltf_scene import node_matrix
+from .raw import MOST_BYTES
 
 # From where each view looks: x right, y up, z to the front.
 DIRECTIONS = {
@@ -35,6 +37,7 @@ def view_by_name(
     fov_deg: float = 35.0,
     ortho: float | None = None,
     file: str | Path | None = None,
+    scale: float = 1.0,
 ) -> Camera:
     """The camera of a name: one of DIRECTIONS, or one of the file's.
 
@@ -44,6 +47,7 @@ def view_by_name(
     aspect : width over height of the picture
     fov_deg, ortho : of the view, as for `Camera`; a file's camera has its own
     file : from which `points` were read
+    scale : metres in a unit of the file, for its cameras
 
     Raises InputError for a name that neither has.
     """
@@ -51,9 +55,7 @@ def view_by_name(
     if name in DIRECTIONS:
         return (_close if name == "close" else _framing)(DIRECTIONS[name], points, aspect, fov_deg, ortho)
     path = Path(file) if file is not None else Path()
-    known = (
-        file_cameras(path, path.stat().st_mtime_ns) if path.suffix.lower() in CAMERA_FILES and path.is_file() else {}
-    )
+    known = file_cameras(path, path.stat().st_mtime_ns) if path.suffix.lower() in CAMERA_FILES and is_file(path) else {}
     if name == FILE and len(known) == 1:
         name = next(iter(known))
     if name not in known:
@@ -62,7 +64,7 @@ def view_by_name(
         hint = f"did you mean {close[0]}? " if close else ""
         has = f"{path} has {len(known)} cameras; " if path.suffix.lower() in CAMERA_FILES else ""
         raise InputError(f"camera: view {name!r}: unknown; {has}{hint}expected {', '.join(names)}")
-    return _toward(known[name], points)
+    return _toward(_scaled(known[name], scale), points)
 
 
 def _framing(direction, points: np.ndarray, aspect: float, fov_deg: float, ortho: float | None) -> Camera:
@@ -95,6 +97,12 @@ def _close(direction, points: np.ndarray, aspect: float, fov_deg: float, ortho: 
     return Camera(tuple(target + toward * distance), tuple(target), (0.0, 1.0, 0.0), fov_deg, ortho)
 
 
+def _scaled(camera: Camera, scale: float) -> Camera:
+    """A camera of a file in another unit."""
+    eye, target = (tuple(scale * np.asarray(point)) for point in (camera.eye, camera.target))
+    return Camera(eye, target, camera.up, camera.fov_deg, None if camera.ortho is None else scale * camera.ortho)
+
+
 def _toward(camera: Camera, points: np.ndarray) -> Camera:
     """A file's camera, which has a direction only, with its target beside the middle of the points."""
     forward = camera.axes[2]
@@ -114,24 +122,11 @@ def file_cameras(path: Path, _changed: int = 0) -> dict[str, Camera]:
     glTF 2.0, section 3.10: a camera looks along -z of its node, +y is up; `yfov` is the vertical angle of view, `ymag` half
     the height. Raises InputError for a file that cannot be read.
     """
-    data = _json_of(path)
+    document = Document(read_bytes(path, MOST_BYTES), path)
     try:
-        return dict(_cameras(data))
-    except (KeyError, IndexError, TypeError, ValueError, RecursionError):
+        return dict(_cameras(document.json))
+    except BROKEN:
         raise InputError(f"{path}: its cameras cannot be read; export it again, or give --eye and --target") from None
-
-
-def _json_of(path: Path) -> dict:
-    try:
-        with open(path, "rb") as file:
-            if path.suffix.lower() == ".glb":
-                magic, _, _, length, _ = struct.unpack("<4sIII4s", file.read(20))
-                if magic != b"glTF":
-                    raise ValueError
-                return json.loads(file.read(length))
-            return json.load(file)
-    except (OSError, ValueError, struct.error):
-        raise InputError(f"{path}: cannot be read as glTF; export it again") from None
 
 
 def _cameras(data: dict):
@@ -145,31 +140,13 @@ def _cameras(data: dict):
         lens = data["cameras"][node["camera"]]
         name = str(node.get("name") or lens.get("name") or f"camera{node['camera']}")
         used[name] = used.get(name, 0) + 1
-        world_from_node, at = _matrix(node), number
+        world_from_node, at = node_matrix(node), number
         for _ in nodes:  # as many steps as there are nodes end even where they form a ring
             if at not in above:
                 break
             at = above[at]
-            world_from_node = _matrix(nodes[at]) @ world_from_node
+            world_from_node = node_matrix(nodes[at]) @ world_from_node
         yield name if used[name] == 1 else f"{name}.{used[name]}", _camera(lens, world_from_node)
-
-
-def _matrix(node: dict) -> np.ndarray:
-    """[4, 4] of a node within its parent."""
-    if "matrix" in node:
-        return np.asarray(node["matrix"], float).reshape(4, 4).T
-    x, y, z, w = node.get("rotation", (0.0, 0.0, 0.0, 1.0))
-    turn = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)],
-        ]
-    )
-    matrix = np.eye(4)
-    matrix[:3, :3] = turn * np.asarray(node.get("scale", (1.0, 1.0, 1.0)), float)
-    matrix[:3, 3] = node.get("translation", (0.0, 0.0, 0.0))
-    return matrix
 
 
 def _camera(lens: dict, world_from_node: np.ndarray) -> Camera:

@@ -121,6 +121,8 @@ class Frames:
             changes, objects = {**changes, "objects": objects}, None
         if camera is not None and not isinstance(camera, Camera):
             changes, camera = {**changes, "camera": camera}, None
+        if isinstance(mesh, str):  # the scene's, whose file may bring cameras
+            changes, mesh = {**changes, "mesh": mesh}, None
         scene = scene.changed(**changes) if changes else scene
         if scene.curtain is not None:
             raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")
@@ -238,7 +240,7 @@ def default_camera(mesh: Mesh, scene: Scene) -> Camera:
     angle = view.fov_deg or 35.0
     far = any(mesh.origin)
     points = mesh.positions + np.array(mesh.origin) if far else mesh.positions
-    named = view_by_name(view.view, points, aspect, angle, view.ortho, scene.meshes[0])
+    named = view_by_name(view.view, points, aspect, angle, view.ortho, scene.meshes[0], mesh.scale)
     if far:
         eye, target = (tuple(np.subtract(point, mesh.origin)) for point in (named.eye, named.target))
         named = replace(named, eye=eye, target=target)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from glcloth.cli.options import scene_of
 from glcloth.cli.scene_options import SceneOptions
@@ -10,7 +11,7 @@ from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import Mesh
-from glcloth.image import write_image
+from glcloth.image import decode_codes, write_image
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.cloths import Cloth
 from glcloth.picture.openings import load_opacity
@@ -171,6 +172,8 @@ def test_open_cloth_casts_no_shadow(renderer, tmp_path):
     slanting = Suns(np.array([[0.0, 1.0, -1.0]]) / np.sqrt(2.0), np.full((1, 3), 3.0))
     sun = Lights(SphericalGaussians(np.array([[0.0, 1.0, 0.0]]), np.array([2.0]), np.full((1, 3), 0.1)), slanting)
     linen = load_fabric("linen")
+    Image.fromarray(np.full((4, 4), 16384, np.uint16)).save(tmp_path / "deep.png")  # 16 bits
+    assert np.allclose(decode_codes(tmp_path / "deep.png"), 0.25, atol=1e-4)
     opacity = load_opacity(OpacityMap(file=texture(tmp_path, np.repeat([[0.0, 1.0]], 8, 0).repeat(8, 1))))
     look = {
         "camera": OVERHEAD,

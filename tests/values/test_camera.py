@@ -108,10 +108,29 @@ def test_cameras_of_a_file(tmp_path):
     assert plan.ortho == 3.0
     seen = view_by_name("shot", np.array([[-1.0, 0, -1], [1, 2, 1]]), 4 / 3, file=path)
     np.testing.assert_allclose(seen.target, (0, 1, 0), atol=1e-9)
+    # In centimetres the cloth is a hundredth of the file's numbers, and so is where the camera stands.
+    seen = view_by_name("shot", np.array([[-1.0, 0, -1], [1, 2, 1]]) / 100, 4 / 3, file=path, scale=0.01)
+    np.testing.assert_allclose([seen.eye, seen.target], [(0.06, 0.01, 0), (0, 0.01, 0)], atol=1e-9)
+    assert view_by_name("plan", np.zeros((1, 3)), 1.0, file=path, scale=0.01).ortho == pytest.approx(0.03)
     with pytest.raises(InputError, match="has 2 cameras; did you mean shot"):
         view_by_name("shott", np.zeros((1, 3)), 1.0, file=path)
     with pytest.raises(InputError, match=r"expected front.*shot, plan"):
         view_by_name("file", np.zeros((1, 3)), 1.0, file=path)
+
+
+def test_damaged_cameras_are_one_line(tmp_path):
+    for more in ({"cameras": ["x"], "nodes": [{"camera": 0}]}, {"cameras": [{}], "nodes": [{"camera": 0}]}):
+        with pytest.raises(InputError, match="its cameras cannot be read"):
+            file_cameras(glb(tmp_path / f"{len(str(more))}.glb", **more))
+
+
+def test_a_mesh_by_name_brings_its_own_cameras(tmp_path):
+    from glcloth.geometry.mesh_files import load_mesh, save_mesh
+    from glcloth.picture.frame import Frames
+
+    save_mesh(tmp_path / "a.glb", load_mesh("plane"))
+    with pytest.raises(InputError, match=r"a\.glb has 0 cameras"):
+        Frames().make("draped", mesh=str(tmp_path / "a.glb"), camera=View(view="file"))
 
 
 def test_options_make_a_camera_that_a_file_keeps(tmp_path):

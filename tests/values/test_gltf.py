@@ -12,7 +12,7 @@ from PIL import Image
 from sheets import AREA, REFERENCE, UV, P, T, area, assert_is_the_sheet
 
 from glcloth.errors import InputError
-from glcloth.geometry.mesh_files import load_mesh, load_solid
+from glcloth.geometry.mesh_files import load_mesh, load_object, load_solid
 
 KINDS = {"i1": 5120, "u1": 5121, "i2": 5122, "u2": 5123, "u4": 5125, "f4": 5126}
 TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}
@@ -254,6 +254,39 @@ def test_the_same_sheet(tmp_path, change, capfd):
     else:
         assert_is_the_sheet(mesh, tolerance=1e-4)
     assert capfd.readouterr() == ("", "")
+
+
+def test_colors_of_vertices_are_the_reflectance(tmp_path):
+    """White where the material says nothing else: COLOR_0 multiplies the base colour, whose default is 1."""
+    glb = Glb()
+    glb.sheet()
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = glb.accessor(
+        np.tile(np.array([52428, 26214, 0, 65535]), (25, 1)), "u2", normalized=True
+    )
+    (tmp_path / "sheet.glb").write_bytes(glb.blob())
+    assert np.allclose(load_solid(tmp_path / "sheet.glb")[1], (0.8, 0.4, 0.0), atol=1e-4)
+
+
+def test_a_material_that_is_used_twice_is_one(tmp_path):
+    glb = Glb()
+    glb.sheet()
+    glb.json["materials"] = [{"name": "m", "pbrMetallicRoughness": {"baseColorFactor": [0.2, 0.4, 0.6, 1]}}]
+    primitive = glb.json["meshes"][0]["primitives"][0] | {"material": 0}
+    glb.json["meshes"][0]["primitives"] = [primitive, primitive]
+    (tmp_path / "sheet.glb").write_bytes(glb.blob())
+    _, colors, materials, numbers = load_object(tmp_path / "sheet.glb")
+    assert len(materials) == 1 and not numbers.any() and np.allclose(colors, (0.2, 0.4, 0.6))
+
+
+def test_a_node_that_is_hidden_is_not_there(tmp_path):
+    glb = Glb()
+    glb.sheet()
+    glb.json["nodes"].append(
+        {"mesh": 0, "translation": [5, 0, 0], "extensions": {"KHR_node_visibility": {"visible": False}}}
+    )
+    glb.json["scenes"][0]["nodes"].append(len(glb.json["nodes"]) - 1)
+    (tmp_path / "sheet.glb").write_bytes(glb.blob())
+    assert_is_the_sheet(load_mesh(tmp_path / "sheet.glb"), tolerance=1e-4)
 
 
 def test_a_fan(tmp_path):

@@ -300,6 +300,8 @@ def test_stl_and_off_hold_the_same_sheet(tmp_path):
         assert len(mesh.positions) == 25, "corners at one place are one vertex"
     assert load_mesh(tmp_path / "t.stl").parts == (("front",), ("back",))
     assert_is_the_sheet(load_mesh(written(tmp_path, "st.off", textured + faces)))
+    with pytest.raises(InputError, match="lines, too few"):
+        load_mesh(written(tmp_path, "short.off", off.rstrip("\n").rsplit("\n", 1)[0] + "\n"))
     quads = f"OFF\n25 16 0\n{vertices}" + "".join(
         f"4 {a} {a + 1} {a + 6} {a + 5}\n" for a in range(24) if a % 5 < 4 and a < 20
     )

@@ -10,7 +10,7 @@ from glcloth.color import srgb_decode, srgb_encode, view
 from glcloth.errors import InputError
 from glcloth.image import write_image
 from glcloth.ocio import LUT_EDGE, LUT_STOPS, ocio_view
-from glcloth.scene import Scene
+from glcloth.scene import Scene, load_scene, save_scene
 
 PLAIN = """ocio_profile_version: 2
 roles: {default: raw, scene_linear: lin_rec709}
@@ -61,6 +61,11 @@ def test_which_one_serves(config, monkeypatch):
     assert (Scene().transform.display, Scene().transform.view) == ("Desk", "Film")
     assert Scene(ocio_view="Half").transform.view == "Half"
     assert Scene(view_transform="agx").transform == "agx" and Scene(ocio="off").transform == "standard"
+
+
+def test_a_config_of_the_library_survives_a_scene_file(tmp_path):
+    save_scene(tmp_path / "a.toml", Scene(ocio="ocio://default"))
+    assert load_scene(tmp_path / "a.toml").ocio == "ocio://default"
 
 
 def test_pictures(config, tmp_path):
