@@ -92,6 +92,7 @@ class Drawn:
     depths : near and far distance
     before : what the surfaces drawn before it held, which hide it where they are nearer
     behind : what the surfaces of the layer before it held, behind which it lies; none: it is of the first
+    sheer : which of those are seen through
     """
 
     mesh: MeshBuffers
@@ -100,6 +101,7 @@ class Drawn:
     depths: tuple[float, float]
     before: tuple[Drawn, ...] = ()
     behind: tuple[Drawn, ...] = ()
+    sheer: tuple[bool, ...] = ()
 
 
 class GBuffer:

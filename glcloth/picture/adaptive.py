@@ -94,7 +94,8 @@ class AdaptiveRate:
             "coarse": self._color,
         }
         fill = programs(self.ctx).screen("passes/picture/adaptive_fill.frag")
-        self._list.write(EMPTY)
+        for one in (self._list, self._near_list):
+            one.write(EMPTY)
         target = buffer.target if shown is None else shown.far
         draw_screen(fill, target, buffer.inputs(), depth="covered", Pixels=self._list, **limits)
         self.ctx.memory_barrier()
@@ -102,7 +103,6 @@ class AdaptiveRate:
         if shown is None:
             return
         fill = programs(self.ctx).screen("passes/picture/adaptive_fill.frag", shown.defines, shown.virtual)
-        self._near_list.write(EMPTY)
         draw_screen(
             fill, shown.near, buffer.inputs(), inputs(), shown.inputs(), depth="covered",
             Pixels=self._near_list, terms=self._terms, far_depth=shown.far.depth_attachment, **limits,
@@ -126,7 +126,7 @@ class AdaptiveRate:
         if self._terms is None or self._terms.layers != shown.layers:
             if self._terms is not None:
                 self._terms.release()
-            self._terms = self.ctx.texture_array((*self._coarse.size, shown.layers), 4, dtype="f2")
+            self._terms = self.ctx.texture_array((*self._coarse.size, shown.layers), 4, dtype="f4")
             self._terms.filter = moderngl.LINEAR, moderngl.LINEAR
             self._terms.repeat_x = self._terms.repeat_y = False
         self._cover(buffer, shown.near, clears=False)

@@ -16,6 +16,7 @@ from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.pictures import even_size, picture_array, resampled
 
+TAPS = 8.0  # places at which a pixel reads a picture
 MOST_TEXELS = 1 << 24  # of all pictures together, 128 MiB
 
 
@@ -85,6 +86,7 @@ class Looks:
         return {
             "look_data": self._data,
             "base_pictures": self._pictures,
+            "look_taps": TAPS,
             "thread_points": mesh.vertices,
             "thread_corners": mesh.indices,
             "thread_uv": self._uv,

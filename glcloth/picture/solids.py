@@ -142,10 +142,12 @@ class Solids(Surface):
         return self.triangle_reflectances()[triangles, :3]
 
     def identities(self, frame: Frame, number: int) -> list[tuple[int, str, str]]:
+        own = [cloth.mesh.name for cloth in frame.cloths]
         names: list[str] = []
         for mesh in self.objects.meshes:
-            before = sum(name.split(".")[0] == mesh.name for name in names)
-            names.append(f"{mesh.name}.{before + 1}" if before else mesh.name)
+            own.append(mesh.name)
+            before = own.count(mesh.name)
+            names.append(mesh.name if before == 1 else f"{mesh.name}.{before}")
         counts = [len(mesh.triangles) * share for mesh, share in zip(self.objects.meshes, self._shares, strict=True)]
         if self.catches:  # a thing of the picture behind it
             return [(end, name, name) for end, name in zip(np.cumsum(counts).tolist(), names, strict=True)]

@@ -140,7 +140,7 @@ class Stage:
         """The surfaces that rays meet, and the share of light that each reflects."""
         structure, hit_vertices = self.occluders(frame), self._bounce.hit_vertices
         hit_vertices.prepare([surface.hit_surface for surface in self.surfaces], structure.triangles)
-        albedos = [cloth.method.albedo for cloth in self.cloths_in_frame]
+        albedos = [cloth.method.albedo * cloth.visibility.limit for cloth in self.cloths_in_frame]
         reflectances = None
         if len(self.surfaces) > 1:
             others = zip(self.cloths_in_frame[1:], albedos[1:], strict=True)

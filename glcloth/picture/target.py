@@ -98,13 +98,18 @@ class Target:
         depths = max(min(near for near, _ in ranges), 1e-5 * far), far
         self._reserve(MOST_LAYERS if any(surface.sheer for surface in surfaces) else 0)
         drawn: tuple[Drawn, ...] = ()
+        sheer: tuple[bool, ...] = ()
         for layer in range(1 + len(self._layers)):
             here = self._in_layer(surfaces, layer)
             wanted: list[Drawn] = []
             for surface in reversed(here):
-                wanted.append(Drawn(surface.buffers, camera, offset, depths, tuple(wanted), drawn))
+                one = Drawn(surface.buffers, camera, offset, depths, tuple(wanted), drawn, sheer)
+                held = self.part(surface, layer).buffer.drawn
+                # What is held already stands for its equal: without such identity a comparison would go through all that
+                # stands before and behind, and through what stands before and behind that, again and again.
+                wanted.append(held if held == one else one)
             yield from self._draw_layer(layer, here, wanted, rows, surfaces)
-            drawn = tuple(wanted)
+            drawn, sheer = tuple(wanted), tuple(surface.sheer for surface in reversed(here))
 
     def _draw_layer(
         self, layer: int, here: Sequence[Surface], wanted: list[Drawn], rows: int, surfaces: Sequence[Surface]

@@ -97,7 +97,7 @@ class PixelVisibility:
         self.vertices.hit_vertices = None if occluders is None else occluders.hit_vertices
         self.sheets = self.vertices.sheets = sheets
         transmissions = () if sheets is None else sheets.transmissions
-        if transmissions != self._transmissions:
+        if structure is not None and transmissions != self._transmissions:
             self._transmissions, self._meshes = transmissions, ()
         meshes = mesh, *self.others
         if mode == "full" and structure is not None and not same(self._meshes, meshes):

@@ -321,7 +321,9 @@ class VertexVisibility:
     # -- reading back ------------------------------------------------------------------------------------------------
 
     def bits(self) -> list[np.ndarray]:
-        """Read back which of their directions the probes of each class see: bool [P_c, done]."""
+        """Read back which of their directions the probes of each class see: bool [P_c, done]. Where cloth is sheer they see
+        shares, which are none."""
+        assert self.sheets is None
         count = len(self.probes.points)
         words = np.frombuffer(self._data["bit_data"].read(4 * count * (self.share // WORD)), "<u4").reshape(-1, count)
         bits = np.unpackbits(words.T.copy().view("u1"), axis=1, bitorder="little")[:, : self.done].astype(bool)

@@ -195,3 +195,19 @@ def test_wrong_layers_are_one_line(words, said, capsys, tmp_path, monkeypatch):
 def test_unknown_names_are_said(renderer):
     with pytest.raises(InputError, match="aov 'beauty': unknown"):
         renderer.render(aovs=["beauty"], **FAST)
+
+
+def test_things_of_one_name_are_told_apart():
+    """By their whole names, and cloth and objects alike; one that is alone keeps its name."""
+    from types import SimpleNamespace
+
+    from glcloth.picture.solids import Solids
+
+    def named(*names):
+        return tuple(SimpleNamespace(name=name, triangles=range(1)) for name in names)
+
+    objects = SimpleNamespace(meshes=named("chair", "chair.v2", "chair.v2", "drape", "chair"))
+    solids = SimpleNamespace(objects=objects, catches=True, mesh=None, _shares=[1] * 5)
+    frame = SimpleNamespace(cloths=[SimpleNamespace(mesh=named("drape")[0])])
+    names = [name for _, name, _ in Solids.identities(solids, frame, 1)]
+    assert names == ["chair", "chair.v2", "chair.v2.2", "drape.2", "chair.2"]

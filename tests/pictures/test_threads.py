@@ -135,6 +135,25 @@ def test_adaptive_rate_knows_how_light_leans_on_pooled_lobes(renderer):
     assert np.abs(fast - whole).mean() < 2e-3 * whole.mean()
 
 
+def test_adaptive_rate_knows_light_of_any_unit(renderer):
+    """A sun in physical units is as good as one of 1: its terms fit where they are kept."""
+    fabric = woven("linen_heavy")
+    look = {
+        **LOOK,
+        "fabric": fabric,
+        "mesh": patch(fabric),
+        "camera": camera(30, 50),
+        "size": (64, 48),
+        "adaptive": True,
+    }
+    pictures = []
+    for unit in (1.0, 1e7):
+        suns = Suns([[0.3, 0.4, 0.866]], [[2.0 * unit, 1.8 * unit, 1.5 * unit]])
+        lights = Lights(SphericalGaussians([[0.0, 0.0, 1.0]], [3.0], [[unit, unit, unit]]), suns)
+        pictures.append(renderer.render(lights=lights, **look)[..., :3] / unit)
+    np.testing.assert_allclose(pictures[1], pictures[0], rtol=1e-3, atol=1e-5)
+
+
 def test_adaptive_rate_where_only_some_pixels_show_threads(renderer):
     fabric = load_fabric("denim_raw")
     look = {**LOOK, "fabric": fabric, "mesh": patch(fabric, 40.0), "size": (160, 160)}

@@ -7,9 +7,11 @@ from glcloth.fabric import load_fabric
 from glcloth.geometry import shapes
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
+from glcloth.gpu.gbuffer import Drawn
 from glcloth.light.environment import from_array
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
-from glcloth.tracing.energy import directional_albedo
+from glcloth.picture.cloths import Cloth
+from glcloth.tracing.energy import directional_albedo, reflection_limit
 from glcloth.twins import sheet
 
 SIZE = (9, 7)
@@ -193,3 +195,54 @@ def test_a_shadow_that_is_caught_behind_cloth(renderer, method):
     o = np.array([0.0, 0.5, 6.0]) / np.hypot(0.5, 6.0)
     hidden = 1 - straight(t, np.array([0, 0, 1.0])) @ [0.2126, 0.7152, 0.0722]
     np.testing.assert_allclose(white - dark, straight(t, o) * (1 - hidden), rtol=0.02)
+
+
+def stack(*fabrics):
+    """Sheets one behind the other, each a cloth of its own; what keeps the meshes is the caller."""
+    meshes = [sheets(-float(number)) for number in range(len(fabrics))]
+    return meshes, lambda *names: [
+        Cloth(mesh, load_fabric(name)) for mesh, name in zip(meshes, names or fabrics, strict=True)
+    ]
+
+
+def test_another_cloth_of_several_becomes_sheer(renderer):
+    """The meshes stay, and so does what hides what; but what is seen behind it changes."""
+    _, dressed = stack("sheer_voile", "linen", "velvet")
+    scene = dict(camera=camera(), lights=EVEN, environment=WHITE, size=SIZE, bounce=False)
+    renderer.render(cloths=dressed(), **scene)
+    both = renderer.render(cloths=dressed("sheer_voile", "sheer_voile", "velvet"), **scene)
+    renderer.render(cloths=dressed(), **{**scene, "camera": camera(30)})
+    np.testing.assert_array_equal(
+        renderer.render(cloths=dressed("sheer_voile", "sheer_voile", "velvet"), **scene), both
+    )
+    other = renderer.render(cloths=dressed("linen", "sheer_voile", "velvet"), **scene)
+    assert np.abs(other - both).max() > 0.05
+
+
+def test_layers_of_many_cloths_are_compared_one_by_one(renderer, monkeypatch):
+    """What a layer holds names all before and behind it: compared as a tree it would take 32 times as long a surface."""
+    _, dressed = stack("sheer_voile", "linen", "linen", "linen")
+    scene = dict(cloths=dressed(), camera=camera(), lights=EVEN, environment=WHITE, size=SIZE, shadows="off")
+    first = renderer.render(**scene)
+    compared, equal = [], Drawn.__eq__
+
+    def counted(one, other):
+        compared.append(one)
+        return equal(one, other)
+
+    monkeypatch.setattr(Drawn, "__eq__", counted)
+    np.testing.assert_array_equal(renderer.render(**scene), first)
+    assert 0 < len(compared) < 200
+
+
+def test_bright_sheer_cloth_bounces_no_more_than_it_reflects(renderer):
+    """Its reflection is dimmed where with what passes it would be more than comes: also that of light from fold to fold."""
+    sheer = load_fabric("sheer_voile")
+    yarn = sheer.yarn[0].changed(albedo=(0.9, 0.9, 0.9))
+    bright = sheer.changed(yarn=(yarn, yarn), transmission=sheer.transmission.changed(k_t=0.9))
+    assert reflection_limit(bright) < 0.9
+    scene = dict(mesh=folds(), lights=EVEN, fabric=bright, size=(24, 18), environment=WHITE)
+    direct, reference = (renderer.render(method=method, cube=8, **scene) for method in ("direct", "reference"))
+    covered = renderer.gbuffer.covered()
+    ratio = direct[covered].mean() / reference[covered].mean()
+    assert ratio == pytest.approx(1.0, abs=0.02)

@@ -1,7 +1,6 @@
 // Parts of a pixel's light that are wanted by themselves: for the layers of a picture, of programs with PARTS, and for a ground
 // that shows its shadow alone, of programs with CATCHER. What adds light of a kind says so here; 0 is none.
 vec3 L_bounce = vec3(0.0);   // came back from a surface, of `L_o` or of `irradiance`
-vec3 L_through = vec3(0.0);  // came through cloth, likewise
 bool came_back = false;      // whether the last flux of "along.glsl" did
 vec3 let_on = vec3(0.0);     // of such a flux what cloth on the way let on of the light itself
 vec3 E_hidden = vec3(0.0);   // irradiance that something hides, of `irradiance`

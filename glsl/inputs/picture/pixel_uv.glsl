@@ -33,3 +33,18 @@ PixelUv pixel_uv(ivec2 pixel) {
     vec3 omega = vec3(uv_step(away, b, c, uv_b, uv_c), abs(dot(away, n)));
     return PixelUv(uv + w.y * uv_b + w.z * uv_c, uv_step(x, b, c, uv_b, uv_c), uv_step(y, b, c, uv_b, uv_c), omega);
 }
+
+// The mean over a pixel of a layer of pictures that repeat over UVs. `most_taps`, places that are read at most, must be a
+// uniform: a limit that the compiler sees is unrolled.
+vec3 mean_of_pixel(sampler2DArray pictures, float layer, PixelUv at, vec2 repeats, float most_taps) {
+    vec2 size = vec2(textureSize(pictures, 0).xy), x = at.x * repeats, y = at.y * repeats;
+    vec2 taps = taps_and_level(x * size, y * size, most_taps);
+    vec2 way = dot(x * size, x * size) > dot(y * size, y * size) ? x : y;
+    vec3 sum = vec3(0.0);
+    float tap = 0.0;
+    do {
+        vec2 place = at.uv * repeats + way * ((tap + 0.5) / taps.x - 0.5);
+        sum += textureLod(pictures, vec3(place, layer), taps.y).rgb;
+    } while (++tap < taps.x);
+    return sum / taps.x;
+}

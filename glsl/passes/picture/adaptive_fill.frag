@@ -23,10 +23,11 @@ bool has_terms(ivec2 coarse_pixel) {
 }
 
 // By how much threads differ from cloth from afar; its mean over the cloth is 0.
-vec3 of_threads(ivec2 pixel) {
+vec3 of_threads(ivec2 pixel, bool exact) {
     fetch_weave(pixel);
     vec2 at = (0.5 * vec2(pixel) + 0.5) / vec2(textureSize(terms, 0).xy);
-#define TERM(layer) textureLod(terms, vec3(at, float(layer)), 0.0)
+    // Beside a pixel that has terms may be one that has none: not even with a weight of 0 are they read.
+#define TERM(layer) (exact ? texelFetch(terms, ivec3(pixel >> 1, layer), 0) : textureLod(terms, vec3(at, float(layer)), 0.0))
     mat4x3 light = transpose(mat3x4(TERM(3 * GROUPS), TERM(3 * GROUPS + 1), TERM(3 * GROUPS + 2)));
     vec4 near = vec4(0.0), far = vec4(0.0);  // surface and volume of warp, of weft
 #define ADD_SEEN(g) { \
@@ -91,7 +92,7 @@ void main() {
     color = exact ? coarse_at(low) : vec4(mean.rgb, first.a);
 #ifdef WEAVE
     good = good && has_terms(low) && has_terms(low + odd) && has_terms(low + ivec2(odd.x, 0)) && has_terms(low + ivec2(0, odd.y));
-    color.rgb = max(color.rgb + of_threads(pixel), 0.0);
+    color.rgb = max(color.rgb + of_threads(pixel, exact), 0.0);
 #endif
     if (!exact && !good) {
         uint i = atomicAdd(count, 1u);

@@ -32,6 +32,6 @@ void main() {
 #endif
 #ifdef PARTS
     bounce_color = vec4(radiance_per_irradiance * L_bounce * pass_weight, 0.0);
-    through_color = vec4(radiance_per_irradiance * L_through * pass_weight, 0.0);
+    through_color = vec4(0.0);
 #endif
 }

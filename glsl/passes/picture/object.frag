@@ -9,6 +9,7 @@
 #include "lit.glsl"
 uniform samplerBuffer look_data;      // of each triangle (color, layer of its picture or -1), (roughness, metalness, -, -)
 uniform sampler2DArray base_pictures;  // linear
+uniform float look_taps;      // places at which a pixel reads one at most
 uniform float pass_weight;    // share of this sample in the pixel
 uniform float pass_cover;     // this pass's part of the pixel's coverage
 #ifdef CATCHER
@@ -17,21 +18,9 @@ uniform float pass_cover;     // this pass's part of the pixel's coverage
 layout(location = 0) out vec4 color;
 
 const float DIELECTRIC = 0.04;  // reflectance at normal incidence of what is no metal, as in glTF
-const float MOST_TAPS = 8.0;
 
 vec3 base_color(ivec2 pixel, vec4 look) {
-    if (look.w < 0.0) return look.rgb;
-    PixelUv at = pixel_uv(pixel);
-    vec2 size = vec2(textureSize(base_pictures, 0).xy);
-    vec2 taps = taps_and_level(at.x * size, at.y * size, MOST_TAPS);
-    vec2 way = dot(at.x * size, at.x * size) > dot(at.y * size, at.y * size) ? at.x : at.y;
-    vec3 sum = vec3(0.0);
-    float tap = 0.0;
-    do {
-        vec2 place = at.uv + way * ((tap + 0.5) / taps.x - 0.5);
-        sum += textureLod(base_pictures, vec3(place, look.w), taps.y).rgb;
-    } while (++tap < taps.x);
-    return look.rgb * sum / taps.x;
+    return look.w < 0.0 ? look.rgb : look.rgb * mean_of_pixel(base_pictures, look.w, pixel_uv(pixel), vec2(1.0), look_taps);
 }
 
 void main() {
@@ -61,6 +50,6 @@ void main() {
 #endif
 #ifdef PARTS
     bounce_color = vec4(radiance_per_irradiance * L_bounce * pass_weight, 0.0);
-    through_color = vec4(radiance_per_irradiance * L_through * pass_weight, 0.0);
+    through_color = vec4(0.0);
 #endif
 }

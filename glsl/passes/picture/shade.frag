@@ -23,6 +23,6 @@ void main() {
     color = vec4(with_bounce(L) * pass_weight, pass_cover);
 #ifdef PARTS
     bounce_color = vec4((L_bounce + (with_bounce(L) - L)) * pass_weight, 0.0);
-    through_color = vec4(L_through * pass_weight, 0.0);
+    through_color = vec4(0.0);
 #endif
 }

@@ -4,7 +4,7 @@
 #include "seen.glsl"
 #include "inputs/picture/gbuffer.glsl"
 layout(early_fragment_tests) in;  // a shader that writes to an image is tested late otherwise
-layout(rgba16f) writeonly uniform image2DArray terms;  // GROUPS each of surface terms, volume terms, leans; then `light_texels`
+layout(rgba32f) writeonly uniform image2DArray terms;  // GROUPS each of surface terms, volume terms, leans; then `light_texels`
 out vec4 color;
 
 void main() {
