@@ -456,7 +456,7 @@ class Scene(Value):
         """The plain values that differ from those of a new scene of its kind, as a file or a script holds them."""
         base = Scene() if self.curtain is None else Scene(curtain=CurtainParameters())
         before = base.model_dump(mode="json", exclude_none=True)
-        out = {name: value for name, value in self.stored().items() if value != before[name]}
+        out = {name: value for name, value in self.stored().items() if value != before.get(name)}
         if self.curtain is not None:  # by this table a file is known
             table = self.curtain.model_dump(mode="json")
             out["curtain"] = {name: v for name, v in table.items() if v != before["curtain"][name]}

@@ -75,6 +75,9 @@ def _words(name: str, option: str, value: Any) -> list[str]:
         return [f"{option}={path}" for path in value]
     if name == "fabrics":
         return [f"--fabric={part}={fabric}" for part, fabric in value.items()]
+    if isinstance(value, dict):  # a map of the cloth: its file, and how it lies
+        look = (f"{option}-{of}={said}" for of, said in value.items() if of != "file")
+        return [f"{option}={value['file']}", *look]
     if name == "size":
         return [option, f"{value[0]}x{value[1]}"]
     return [f"{option}={','.join(f'{v:g}' for v in value) if isinstance(value, list) else value}"]

@@ -52,7 +52,11 @@ def test_options_are_fields():
 def test_built_in_scenes_and_their_files(name, tmp_path):
     scene = load_scene(name)
     assert scene.kind == ("curtain" if name == "curtain" else "cloth")
-    for value in (scene, scene.changed(exposure=1.0, fabric=load_fabric("lace"), camera=View(eye=(1, 2, 3)))):
+    others = [scene.changed(exposure=1.0, fabric=load_fabric("lace"), camera=View(eye=(1, 2, 3)))]
+    if scene.kind == "cloth":
+        roses = {"file": str(tmp_path / "roses.png"), "repeat": 0.3, "unit": "m"}
+        others += [scene.changed(print=roses, opacities={"Skirt": roses}), scene.changed(opacity=roses)]
+    for value in (scene, *others):
         save_scene(tmp_path / "scene.toml", value)
         assert load_scene(tmp_path / "scene.toml") == value
         write_image(tmp_path / "picture.exr", np.ones((2, 2, 3)), header(value))

@@ -1,12 +1,15 @@
 """The window's state without a window: history, generated controls, the curve's edits, the eye, sharing."""
 
 import contextlib
+import shlex
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 
+from glcloth import cli
+from glcloth.cli.options import scene_of
 from glcloth.errors import InputError
 from glcloth.fabric import Fabric, Yarn, load_fabric, save_fabric
 from glcloth.geometry.camera import Camera
@@ -267,6 +270,18 @@ def test_python_and_shell_copies_hold_the_same_scene(tmp_path):
     line = sharing.as_command(session.scene)
     assert line.count("\n") == 1 and "--env-rotate=-20.0" in line
     assert "--no-background" in line and "--size 64x48" in line
+    # A print and openings travel as options that the command line reads back; those of parts as a file.
+    for scene in (
+        Scene(print={"file": "my roses.png", "repeat": 0.3, "unit": "m", "space": "linear"}, opacity="holes.png"),
+        Scene(prints={"Skirt": {"file": "roses.png", "repeat": 0.3}}),
+    ):
+        text = sharing.as_command(scene)
+        if scene.print is not None:
+            _, bound, _ = cli.app.parse_args(shlex.split(text)[1:], exit_on_error=False, print_error=False)
+            assert scene_of(None, bound.arguments["options"]) == scene
+        else:
+            (tmp_path / "parts.toml").write_text("\n".join(text.splitlines()[1:-2]))
+            assert load_scene(tmp_path / "parts.toml").prints["Skirt"].repeat == 0.3
 
 
 def test_files_are_known_by_what_they_are(tmp_path):
