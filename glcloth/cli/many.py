@@ -60,12 +60,18 @@ def shared(job: Job, numbers: list[int], many: Many, what: str) -> Iterator[dict
 
 
 def missing(job: Any, numbers: list[int]) -> list[int]:
-    """Numbers whose picture is not there, or is of another scene."""
-    from ..image import read_settings
+    """Numbers whose picture is not there, is damaged, or is of another scene or film."""
+    from ..image import read_image, read_settings
 
     def is_there(number: int) -> bool:
         file = job.file(number)
-        return file.is_file() and read_settings(file) == json.loads(json.dumps(job.header(number)))
+        try:
+            if not file.is_file() or read_settings(file) != json.loads(json.dumps(job.header(number))):
+                return False
+            read_image(file)
+        except InputError:
+            return False
+        return True
 
     return [number for number in numbers if not is_there(number)]
 

@@ -85,7 +85,14 @@ class Film:
             changes["env_rotate"] = self.scene.env_rotate + self.turn_env / self.frames * number
         if self.scene.curtain is not None:
             changes["frame"] = number
-        return {**header(self.start.changed(**changes)), "frame": number}
+        return {**header(self.start.changed(**changes)), "frame": number, "film": self._about()}
+
+    def _about(self) -> dict[str, Any]:
+        """What of the film, beside the scene, decides how a frame looks. Its length does where something turns by shares of
+        it, so that a film of poses or of a curtain may grow."""
+        turns = self.around or self.turn_env
+        about = {"turntable": self.around, "turn_env": self.turn_env, "wind": self.wind, "rate": self.rate}
+        return about | ({"frames": self.frames} if turns else {}) | ({"first": self.first} if self.files else {})
 
     # -- a job of many processes -------------------------------------------------------------------------------------
 

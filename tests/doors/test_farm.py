@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import shlex
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from fake_job import Fake
 from test_doors import fails, run
 
 from glcloth import cli
+from glcloth.cli.many import missing
 from glcloth.errors import InputError
 from glcloth.farm import cluster, pool
 from glcloth.farm.film import Film, numbers_of
@@ -18,9 +20,9 @@ from glcloth.farm.openjd import film_template
 from glcloth.farm.sweep import parse_vary
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh
-from glcloth.image import read_image
+from glcloth.image import read_image, write_image
 from glcloth.picture import sequence
-from glcloth.scene import Scene
+from glcloth.scene import Scene, load_scene
 
 QUICK = ["--mesh", "sphere", "--size", "16x12", "--shadows", "off", "--quality", "draft"]
 
@@ -76,6 +78,25 @@ def test_sweep_makes_pictures_a_sheet_and_a_table(tmp_path, capsys):
     assert run(*command, "--resume") == 0
     assert json.loads(capsys.readouterr().out)["pictures"] == 1
     assert (tmp_path / "s/0000.png").stat().st_mtime_ns == before
+
+
+def test_resume_keeps_frames_of_the_same_film_that_are_whole(tmp_path):
+    film = Film(Scene(size=(8, 6)), str(tmp_path / "%d.png"), 4)
+    for number in range(4):
+        film.write(number, np.random.default_rng(number).random((60, 80, 3), np.float32))
+    assert load_scene(tmp_path / "1.png") == film.scene and missing(film, [0, 1, 2, 3]) == []
+    for other in ({"frames": 8}, {"turntable": False}, {"turn_env": 90.0}, {"wind": 2.0}, {"rate": 25}):
+        assert missing(replace(film, **other), [0, 1, 2, 3]) == [0, 1, 2, 3], other
+    # The frames of a film in which nothing turns do not know how many they are.
+    rests = replace(film, turntable=False)
+    rests.write(0, np.ones((6, 8, 3)))
+    assert missing(replace(rests, frames=9), [0]) == []
+    # Of before glcloth kept what film a frame is of, damaged, and cut off behind the header.
+    old = {name: value for name, value in film.header(0).items() if name != "film"}
+    write_image(tmp_path / "0.png", np.ones((6, 8, 3)), old)
+    (tmp_path / "1.png").write_bytes(b"no picture")
+    (tmp_path / "2.png").write_bytes((tmp_path / "2.png").read_bytes()[:-5000])
+    assert missing(film, [0, 1, 2, 3]) == [0, 1, 2]
 
 
 def test_wrong_sweeps_are_said_before_anything_is_rendered(tmp_path, capsys):
