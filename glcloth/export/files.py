@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import __version__
-from ..errors import InputError
+from ..errors import InputError, printable
 from ..fabric import Fabric, load_fabric
 from ..files import atomic_write, check_writable
 from .maps import Textures, make_textures, normal_map, png, png16
@@ -294,7 +294,7 @@ def _mitsuba_py(fabric: Fabric, path: Path) -> tuple[list[Path], Response]:
     source = (Path(__file__).parent / "mitsuba_bsdf.py").read_text(encoding="utf-8")
     numbers = json.dumps(numbers_of(fabric))
     text = (
-        f"{source}\n\n# {fabric.name}, by glcloth {__version__}. Set a variant, import this file, load BSDF.\n"
+        f"{source}\n\n# {printable(fabric.name)}, by glcloth {__version__}. Set a variant, import this file, load BSDF.\n"
         f"NUMBERS = {numbers!r}\n"
         'BSDF = {"type": "twosided", "nested": {"type": "microcylinder", "numbers": NUMBERS}}\n'
         "register()\n"

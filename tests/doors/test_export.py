@@ -1,5 +1,6 @@
 """Fabrics for other renderers: files that others read, models that are what they say, errors that are measured."""
 
+import ast
 import io
 import json
 import struct
@@ -235,3 +236,11 @@ def test_exports_for_mitsuba_and_wrong_names(few, tmp_path, capsys, monkeypatch)
     assert "expected a name that ends in" in fails(capsys, "export", "linen", "-o", tmp_path / "a.obj")
     assert "linen" in fails(capsys, "export", "linnen", "-o", tmp_path / "a.zip")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["linen.py"]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r"])
+def test_a_fabrics_name_is_no_code(tmp_path, end):
+    fabric = load_fabric("linen").changed(name=f"linen{end}raise SystemExit{end}# x")
+    files._mitsuba_py(fabric, tmp_path / "a.py")
+    tree = ast.parse((tmp_path / "a.py").read_bytes())
+    assert not any(isinstance(node, ast.Raise) for node in tree.body)
