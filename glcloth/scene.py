@@ -571,9 +571,9 @@ def header(scene: Scene) -> dict:
     return {"glcloth": __version__, "scene": scene.stored()}
 
 
-def save_scene(path: str | Path, scene: Scene) -> None:
+def save_scene(path: str | Path, scene: Scene, comment: str = "") -> None:
     """Write a scene file that `load_scene` reads back to an equal Scene, but for how paths are written: they are relative
-    to the file, or whole. Raises InputError if it cannot be written."""
+    to the file, or whole. A comment, a whole line, stands first. Raises InputError if it cannot be written."""
     import tomli_w
 
     # A curtain that does not say its frame begins in the window where its wind does.
@@ -581,4 +581,4 @@ def save_scene(path: str | Path, scene: Scene) -> None:
     data = scene.model_dump(mode="json", exclude_none=True, exclude=unsaid)
     data = _with_paths(data, partial(_from, Path(path).resolve().parent))
     with atomic_write(path) as temporary:
-        temporary.write_text(tomli_w.dumps(data), encoding="utf-8")
+        temporary.write_text(comment + tomli_w.dumps(data), encoding="utf-8")

@@ -3,7 +3,7 @@
 import csv
 import json
 import os
-import shlex
+import subprocess
 from dataclasses import replace
 
 import numpy as np
@@ -16,8 +16,8 @@ from glcloth.cli.many import missing
 from glcloth.errors import InputError
 from glcloth.farm import cluster, pool
 from glcloth.farm.film import Film, numbers_of
-from glcloth.farm.openjd import film_template
-from glcloth.farm.sweep import parse_vary
+from glcloth.farm.openjd import film_template, sweep_template
+from glcloth.farm.sweep import Sweep, parse_vary
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh
 from glcloth.image import read_image, write_image
@@ -125,16 +125,74 @@ def test_values_of_sweeps_and_numbers_of_frames():
         numbers_of("8", 8)
 
 
-def test_a_farm_runs_commands_that_the_command_line_knows():
-    template = film_template(Film(Scene(), "frames/%04d.png", 5))
-    (step,) = template["steps"]
-    assert step["parameterSpace"]["taskParameterDefinitions"][0]["range"] == "0-4"
-    text = step["script"]["embeddedFiles"][0]["data"].splitlines()[-1]
-    text = (
-        text.replace("{{Param.Scene}}", "drape").replace("{{Task.Param.Frame}}", "3").replace("{{Param.Frames}}", "f")
+def farmed(folder, template, scene, output, number):
+    """The command line of each step of a template, as a farm's machine runs it: its words."""
+    fake = folder / "bin" / "glcloth"
+    fake.parent.mkdir(exist_ok=True)
+    fake.write_text("#!/bin/sh\nprintf '%s\\0' \"$@\"\n")
+    fake.chmod(0o755)
+    script = folder / "run.sh"
+    given = {"Task.File.Run": script, "Param.Scene": scene, "Param.Output": output, "Task.Param.Number": number}
+    for step in template["steps"]:
+        script.write_text(step["script"]["embeddedFiles"][0]["data"])
+        action = step["script"]["actions"]["onRun"]
+        words = [action["command"], *(str(given[text.strip("{}")]) for text in action["args"])]
+        path = f"{fake.parent}:{os.environ['PATH']}"
+        said = subprocess.run(words, capture_output=True, text=True, check=True, env=os.environ | {"PATH": path})
+        yield said.stdout.split("\0")[:-1]
+
+
+def known(words):
+    """What the command line makes of words."""
+    return cli.app.parse_args(words, exit_on_error=False, print_error=False)[1].arguments
+
+
+def test_a_farm_runs_commands_that_the_command_line_knows(tmp_path):
+    odd = "a \"b\" 'c' $d"
+    film = Film(Scene(), "my frames/%04d.png", 5, turn_env=-90.0, device="llvm pipe", since=2)
+    template = film_template(film)
+    assert template["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0]["range"] == "2-4"
+    ((*words,),) = farmed(tmp_path, template, odd, odd, 3)
+    found = known(words)
+    assert (found["scene"], str(found["output"]), found["many"].only) == (odd, f"{odd}/%04d.png", "3")
+    assert (found["start"], found["device"], found["turntable"], found["turn_env"]) == (2, "llvm pipe", False, -90.0)
+
+    mine = tmp_path / "my linen.toml"
+    mine.write_text("")
+    sweep = Sweep(
+        Scene(), tmp_path, *parse_vary([f"fabric=silk_shot,{mine}", "ground-color=0.1,0.2,0.3;0,0,0"]), ".exr", 1
     )
-    _, bound, _ = cli.app.parse_args(shlex.split(text)[1:], exit_on_error=False, print_error=False)
-    assert bound.arguments["many"].only == "3" and str(bound.arguments["output"]) == "f/%04d.png"
+    template = sweep_template(sweep)
+    assert template["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0]["range"] == "0-3"
+    one, sheet = (known(words) for words in farmed(tmp_path, template, odd, odd, 3))
+    assert one["many"].only == "3" and sheet["many"].resume and template["steps"][1]["dependencies"]
+    for found in (one, sheet):
+        assert (found["scene"], str(found["output"]), found["suffix"], found["device"]) == (odd, odd, ".exr", "1")
+        assert parse_vary(found["vary"]) == (sweep.names, sweep.values)
+
+
+def test_a_template_overwrites_nothing_of_the_user(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    own = 'fabric = "linen"\n'
+    (tmp_path / "farm.toml").write_text(own)
+    command = ["animate", "farm.toml", "-o", "f/%d.png", "--frames", "4", "--openjd"]
+    for _ in range(2):  # what it wrote itself it writes again
+        assert run(*command, "farm.json", "--json") == 0
+        assert json.loads(capsys.readouterr().out) == {
+            "template": "farm.json", "scene": "farm.json.toml", "pictures": 4}  # fmt: skip
+    assert (tmp_path / "farm.toml").read_text() == own and load_scene("farm.json.toml").fabric == "linen"
+    (tmp_path / "b.json.toml").write_text(own)
+    assert "overwrite b.json.toml" in fails(capsys, *command, "b.json")
+    assert "ends in .json" in fails(capsys, *command, "farm.toml")
+    for more in (["--only", "1"], ["--resume"], ["--workers", "2"], ["--cluster", "tcp://1.2.3.4"]):
+        assert f"leave {more[0]} out" in fails(capsys, *command, "c.json", *more)
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "b.json.toml",
+        "f",
+        "farm.json",
+        "farm.json.toml",
+        "farm.toml",
+    ]
 
 
 def test_a_cluster_makes_the_pictures(tmp_path):
