@@ -4,16 +4,18 @@ import csv
 import json
 import os
 import subprocess
+import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from fake_job import Fake
+from fake_job import Fake, Wrong
 from test_doors import fails, run
 
 from glcloth import cli
 from glcloth.cli.many import missing
-from glcloth.errors import InputError
+from glcloth.errors import DriverError, InputError, NoOpenGLError, ShaderError
 from glcloth.farm import cluster, pool
 from glcloth.farm.film import Film, numbers_of
 from glcloth.farm.openjd import film_template, sweep_template
@@ -40,6 +42,19 @@ def test_a_process_killed_costs_its_picture_which_another_makes(tmp_path, capsys
 def test_a_picture_that_kills_every_process_is_given_up(tmp_path):
     with pytest.raises(RuntimeError, match=r"0\.txt: 3 processes died"):
         list(pool.share(Fake(tmp_path, (0,), always=True), [0], 1))
+
+
+def test_errors_of_processes_are_those_of_one_process(monkeypatch):
+    """One through a real process, all through what a process runs."""
+    with pytest.raises(NoOpenGLError, match=r"^no OpenGL here$"):
+        list(pool.share(Wrong(NoOpenGLError("no OpenGL here")), [0], 1))
+    sent = []
+    pipe = SimpleNamespace(recv=lambda: 0, send=sent.append)
+    monkeypatch.setattr(sys, "stderr", sys.stderr)  # which a process takes over
+    for error in (InputError("a"), ShaderError("b"), DriverError("c"), MemoryError("d"), KeyError("e")):
+        pool._work(pipe, Wrong(error))
+        kind, text = sent.pop()
+        assert pool.KINDS.get(kind, KeyError) is type(error) and str(error) in text
 
 
 def test_some_frames_of_cloth_that_moves_have_the_bits_of_all(renderer):
