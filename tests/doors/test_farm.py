@@ -7,6 +7,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -219,3 +220,37 @@ def test_a_cluster_makes_the_pictures(tmp_path):
     assert sorted(done) == [0, 2, 5] and (tmp_path / "5.txt").read_text().startswith("15 ")
     with pytest.raises(InputError, match="no scheduler answers"):
         list(cluster.share(Fake(tmp_path), [0], "not an address"))
+
+
+def test_a_worker_goes_on_after_a_picture_that_failed(tmp_path):
+    with pytest.raises(MemoryError):
+        cluster._picture(Wrong(MemoryError("at 3")), 3)
+    assert cluster._picture(Fake(tmp_path), 4)[0] == 4
+
+    class Once(Fake):
+        failed = False
+
+        def pictures(self, numbers):
+            for number in numbers:
+                if number == 5 and not self.failed:
+                    Once.failed = True
+                    raise MemoryError("at 5")
+                yield np.full(3, number)
+
+    job = Once(tmp_path)
+    assert cluster._picture(job, 4)[0] == 4
+    with pytest.raises(MemoryError):
+        cluster._picture(job, 5)
+    assert [cluster._picture(job, n)[0] for n in (6, 7, 5)] == [6, 7, 5]
+
+
+def test_jobs_of_a_scheduler_have_names_of_their_own(tmp_path, monkeypatch):
+    """A job may lie where another client's lies in its memory."""
+    import distributed
+
+    client = MagicMock()
+    monkeypatch.setattr(distributed, "Client", client)
+    monkeypatch.setattr(distributed, "as_completed", lambda tasks: [])
+    for _ in range(2):
+        list(cluster.share(Fake(tmp_path), [0, 1], "x"))
+    assert len({call.kwargs["key"] for call in client().submit.call_args_list}) == 4
