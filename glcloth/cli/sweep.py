@@ -23,8 +23,8 @@ def sweep(
         list[str],
         Parameter(
             negative="",
-            help="An option of render and its values: fabric=linen,silk_shot or env-rotate=0:180:30; also of a yarn: "
-            "warp.gamma_s_deg=3:9:3. Repeatable: all combinations.",
+            help="An option of render and its values: fabric=linen,silk_shot, env-rotate=0:180:30 or eye='0,1,3;2,1,2'; also "
+            "of a yarn: warp.gamma_s_deg=3:9:3. Repeatable: all combinations.",
         ),
     ],
     output: Annotated[
@@ -53,7 +53,8 @@ def sweep(
 
     job = Sweep(chosen, output, *parse_vary(vary), suffix, device)
     scenes = [job.scene_at(number) for number in range(len(job.rows))]
-    for fabric in {scene.fabric for scene in scenes}:  # faults are said before anything is rendered
+    # Faults are said before anything is rendered.
+    for fabric in {fabric for scene in scenes for fabric in (scene.fabric, *scene.fabrics.values())}:
         load_fabric(fabric)
     numbers = numbers_of(many.only, len(job.rows))
     if many.openjd is not None:

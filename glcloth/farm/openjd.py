@@ -14,6 +14,7 @@ from typing import Any
 
 from ..errors import InputError, printable
 from ..files import atomic_write, is_file
+from ..place import split_place
 from ..scene import Scene, save_scene
 from .film import Film
 from .sweep import Sweep
@@ -46,9 +47,17 @@ def sweep_template(sweep: Sweep) -> dict:
 
 def varied(sweep: Sweep) -> list[str]:
     """The parameters and values of a sweep as options say them; files by their whole path, wherever a task runs."""
-    said = ((name, (str(Path(v).resolve()) if isinstance(v, str) and is_file(v) else v for v in values))
-            for name, values in zip(sweep.names, sweep.values, strict=True))  # fmt: skip
+    said = ((name, map(_whole, values)) for name, values in zip(sweep.names, sweep.values, strict=True))
     return [f"{name}={';'.join(map(str, values))};" for name, values in said]
+
+
+def _whole(value: Any) -> Any:
+    """A value with its file, if it names one, by the whole path."""
+    head, equals, text = value.rpartition("=") if isinstance(value, str) else ("", "", "")
+    name, place = split_place(text)
+    if not is_file(name):
+        return value
+    return f"{head}{equals}{Path(name).resolve()}" + (f"@{place}" if place else "")
 
 
 def _template(folder: Path, what: str, output: dict, *steps: dict) -> dict:

@@ -5,7 +5,8 @@ import json
 import os
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import fields, replace
+from pathlib import Path
 from types import SimpleNamespace
 from unittest.mock import MagicMock
 
@@ -16,6 +17,7 @@ from test_doors import fails, run
 
 from glcloth import cli
 from glcloth.cli.many import missing
+from glcloth.cli.options import SceneOptions, scene_of
 from glcloth.errors import DriverError, InputError, NoOpenGLError, ShaderError
 from glcloth.farm import cluster, pool
 from glcloth.farm.film import Film, numbers_of
@@ -25,6 +27,7 @@ from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh
 from glcloth.image import read_image, write_image
 from glcloth.picture import sequence
+from glcloth.picture.options import OPTIONS, SEVERAL
 from glcloth.scene import Scene, load_scene
 
 QUICK = ["--mesh", "sphere", "--size", "16x12", "--shadows", "off", "--quality", "draft"]
@@ -128,6 +131,22 @@ def test_wrong_sweeps_are_said_before_anything_is_rendered(tmp_path, capsys):
         assert said in fails(capsys, *command, "--vary", vary)
     assert "--only" in fails(capsys, *command, "--vary", "spp=1,2", "--only", "2")
     assert not (tmp_path / "s").exists()
+
+
+def test_sweeps_know_all_options_of_render():
+    assert {field.name for field in fields(SceneOptions)} == OPTIONS
+    assert {name for name in OPTIONS if "list" in str(SceneOptions.__annotations__[name])} == SEVERAL
+    words = {"fov": "30", "eye": "0,1,4", "target": "0,0,0", "print": "a.png", "print-repeat": "0.25", "env-rotate": "20",
+             "object": "sphere@1,0,0", "fabric": "Lining=voile", "background": "false"}  # fmt: skip
+    sweep = Sweep(Scene(), Path("s"), *parse_vary([f"{name}={value};" for name, value in words.items()]))
+    given = [part for name, value in words.items() if name != "background" for part in (f"--{name}", value)]
+    arguments = known(["render", *given, "--no-background", "-o", "a.png"])
+    assert sweep.scene_at(0) == scene_of(None, arguments["options"]) != Scene()
+    bookmarked = Scene(bookmarks=[{"name": "mine", "camera": {"eye": (0, 0, 9)}}])
+    sweep = Sweep(bookmarked, Path("s"), *parse_vary(["view=mine,front"]))
+    assert [(s.camera.eye, s.camera.view) for s in map(sweep.scene_at, (0, 1))] == [((0, 0, 9), None), (None, "front")]
+    curtain = Sweep(load_scene("curtain"), Path("s"), *parse_vary(["wind=1,2", "frame=9"]))
+    assert (curtain.scene_at(1).curtain.wind, curtain.scene_at(1).frame) == (2.0, 9)
 
 
 def test_values_of_sweeps_and_numbers_of_frames():
