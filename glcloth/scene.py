@@ -448,6 +448,16 @@ class Scene(Value):
         """Whether it is cloth under an environment or the curtain."""
         return "cloth" if self.curtain is None else "curtain"
 
+    def files(self) -> set[str]:
+        """The names and files that it is made of."""
+        found: list[Any] = []
+        for entry in entries(type(self)):
+            if entry.file:
+                value = getattr(self, entry.name)
+                found += value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else [value]
+        names = (getattr(one, "file", one) for one in found)
+        return {split_place(name)[0] for name in names if isinstance(name, str) and name}
+
     def stored(self) -> dict:
         """Its plain values as a picture keeps them: files by their whole path, so that it renders from any folder."""
         return _with_paths(self.model_dump(mode="json", exclude_none=True), _whole)

@@ -8,6 +8,7 @@ from pathlib import Path
 from ..color import srgb_decode
 from ..errors import InputError
 from ..fabric import save_fabric
+from ..files import is_file
 from ..geometry.mesh_files import load_solid
 from ..image import check_output, write_image
 from ..place import split_place
@@ -182,14 +183,12 @@ class Files:
         """Read again the files that have changed on disk."""
         if self._watcher is None:
             return
-        session, shown = self.session, self.session.shown
-        names = [getattr(shown, name, None) for name in ("env", "lights", "room")]
-        names += [*shown.meshes, *shown.fabrics.values(), *(split_place(name)[0] for name in shown.objects)]
-        names += [self.source, session.chosen]
-        for name in self._watcher.changed({n for n in names if isinstance(n, str) and Path(n).is_file()}):
+        session, document = self.session, self.session.document
+        names = set[str]().union(*(scene.files() for scene in document.sides()), session.known)
+        for name in self._watcher.changed({n for n in (*names, self.source) if n is not None and is_file(n)}):
             if name == SHADERS:
                 self.actions.reload_shaders()
-            elif name == session.chosen:
+            elif name in session.known:
                 self.actions.attempt(self._reread_fabric, name)
             elif name == self.source:
                 self.open(name)
@@ -197,7 +196,6 @@ class Files:
 
     def _reread_fabric(self, name: str) -> None:
         self.session.reread(name)
-        self.session.choose_fabric(name)
         self.actions.look_again(anew=True)
 
     def close(self) -> None:
