@@ -204,7 +204,7 @@ def serve(scene: Scene, port: int, host: str = LOOPBACK, device: int | str | Non
     server = Server(live, port, host)
     thread = threading.Thread(target=server.serve_forever, daemon=True)
     thread.start()
-    if host not in (LOOPBACK, "localhost", "::1"):
+    if host not in (LOOPBACK, "localhost"):
         say(
             f"glcloth: warning: who has the address can use this view from other machines; it is not encrypted ({host})"
         )

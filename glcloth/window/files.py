@@ -9,7 +9,7 @@ from ..color import srgb_decode
 from ..errors import InputError
 from ..fabric import save_fabric
 from ..files import is_file
-from ..geometry.mesh_files import load_solid
+from ..geometry.mesh_files import MESH_SUFFIXES, load_solid
 from ..image import check_output, write_image
 from ..place import split_place
 from ..scene import Scene, header, load_scene, save_scene
@@ -22,10 +22,11 @@ from .dialogs import Dialogs
 from .watch import SHADERS, Watcher
 
 DRAFTS = ["Drafts", " ".join(f"*{suffix}" for suffix in SUFFIXES)]
-OBJECTS = ["Meshes", "*.obj *.ply *.glb *.gltf"]
+MESHES = " ".join(f"*{suffix}" for suffix in MESH_SUFFIXES)
+OBJECTS = ["Meshes", MESHES]
 OPENABLE = [
     "Fabrics, drafts, scenes, lights, meshes, environments, pictures",
-    "*.toml *.wif *.dtx *.wpo *.twa *.json *.obj *.ply *.glb *.gltf *.hdr *.exr *.png",
+    f"*.toml *.json {DRAFTS[1]} {MESHES} *.hdr *.exr *.png",
 ]
 
 
@@ -76,7 +77,7 @@ class Files:
                 self.actions.go_to(frame_of(scene))
         elif kind == "mesh":
             session.choose_mode("cloth")
-            session.edit_scene(mesh=path, fabrics={})
+            session.edit_scene(mesh=path, fabrics={}, prints={}, opacities={})
         else:
             session.edit_shown(env=path)
 

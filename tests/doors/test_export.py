@@ -227,8 +227,9 @@ def test_exports_for_mitsuba_and_wrong_names(few, tmp_path, capsys, monkeypatch)
         raise MissingMitsubaError("not measured here")
 
     monkeypatch.setattr(files, "by_mitsuba", nobody)  # its process takes seconds to start
-    assert run("export", "linen", "-o", tmp_path / "linen.py") == 0
-    assert "not measured" in capsys.readouterr().err
+    assert run("export", "linen", "-o", tmp_path / "linen.py", "--picture", tmp_path / "pair.png", "--json") == 0
+    said = capsys.readouterr()
+    assert "pair.png: is not written" in said.err and "not measured" in json.loads(said.out)["not_measured"]
     compile((tmp_path / "linen.py").read_text(), "linen.py", "exec")
     assert "glcloth" not in [
         line.split()[1] for line in (tmp_path / "linen.py").read_text().splitlines() if line[:7] == "import "

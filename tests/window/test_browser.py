@@ -224,6 +224,7 @@ def test_the_command_says_what_is_wrong(capsys):
     for words, said in (
         (["--http", str(taken.server_port)], "another port"),
         (["curtain", "--http", "0"], "glcloth animate curtain"),
+        (["--host", "0.0.0.0"], "give --http PORT too"),
         (["--http", "0", "--watch"], "belongs to the window"),
         (["--http", "0", "--device", "77"], "--device 77"),
     ):

@@ -295,12 +295,12 @@ def test_files_are_known_by_what_they_are(tmp_path):
     save_scene(tmp_path / "s.toml", session.scene)
     write_image(tmp_path / "map.exr", np.ones((2, 4, 3), "f4"))
     write_image(tmp_path / "ours.exr", np.ones((2, 4, 3), "f4"), {"scene": {}})
-    for name in ("m.obj", "m.glb", "m.ply", "e.hdr"):
+    for name in ("m.obj", "m.glb", "m.ply", "m.stl", "m.off", "e.hdr"):
         (tmp_path / name).write_bytes(b"x")
     kinds = {p.name: sharing.kind_of(p) for p in tmp_path.iterdir()}
     assert kinds == {
         "f.toml": "fabric", "s.toml": "scene", "map.exr": "env", "ours.exr": "scene",
-        "m.obj": "mesh", "m.glb": "mesh", "m.ply": "mesh", "e.hdr": "env",
+        "m.obj": "mesh", "m.glb": "mesh", "m.ply": "mesh", "m.stl": "mesh", "m.off": "mesh", "e.hdr": "env",
     }  # fmt: skip
     (tmp_path / "bad.toml").write_text("= 1")
     (tmp_path / "a.txt").write_text("a")
