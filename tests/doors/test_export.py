@@ -139,10 +139,9 @@ def test_u3m_says_sizes_and_means_of_its_maps(rough, tmp_path):
     color = picture((tmp_path / front["basecolor"]["texture"]["image"]["path"]).read_bytes()) / 255
     constant = [front["basecolor"]["constant"][c] for c in "rgb"]
     assert np.allclose(srgb_decode(color).mean((0, 1)), srgb_decode(np.array(constant)), rtol=0.05, atol=2e-3)
-    # A repeat of a 3/1 twill: four ends, as wide as their sett says.
-    assert images[0]["height"] == pytest.approx(40 / 26, rel=1e-3) or images[0]["width"] == pytest.approx(
-        40 / 26, rel=1e-3
-    )
+    # A repeat of a 3/1 twill: four picks along u, which follows the warp, and four ends along v, as their setts say.
+    size = images[0]["width"], images[0]["height"]
+    assert size == pytest.approx((40 / 17.3, 40 / 26), rel=1e-3)
 
 
 def test_u3ma_is_the_archive_that_the_format_wants(rough, tmp_path):
