@@ -448,6 +448,16 @@ class Scene(Value):
         """Whether it is cloth under an environment or the curtain."""
         return "cloth" if self.curtain is None else "curtain"
 
+    def files(self) -> set[str]:
+        """The names and files that it is made of."""
+        found: list[Any] = []
+        for entry in entries(type(self)):
+            if entry.file:
+                value = getattr(self, entry.name)
+                found += value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else [value]
+        names = (getattr(one, "file", one) for one in found)
+        return {split_place(name)[0] for name in names if isinstance(name, str) and name}
+
     def stored(self) -> dict:
         """Its plain values as a picture keeps them: files by their whole path, so that it renders from any folder."""
         return _with_paths(self.model_dump(mode="json", exclude_none=True), _whole)
@@ -571,9 +581,9 @@ def header(scene: Scene) -> dict:
     return {"glcloth": __version__, "scene": scene.stored()}
 
 
-def save_scene(path: str | Path, scene: Scene) -> None:
+def save_scene(path: str | Path, scene: Scene, comment: str = "") -> None:
     """Write a scene file that `load_scene` reads back to an equal Scene, but for how paths are written: they are relative
-    to the file, or whole. Raises InputError if it cannot be written."""
+    to the file, or whole. A comment, a whole line, stands first. Raises InputError if it cannot be written."""
     import tomli_w
 
     # A curtain that does not say its frame begins in the window where its wind does.
@@ -581,4 +591,4 @@ def save_scene(path: str | Path, scene: Scene) -> None:
     data = scene.model_dump(mode="json", exclude_none=True, exclude=unsaid)
     data = _with_paths(data, partial(_from, Path(path).resolve().parent))
     with atomic_write(path) as temporary:
-        temporary.write_text(tomli_w.dumps(data), encoding="utf-8")
+        temporary.write_text(comment + tomli_w.dumps(data), encoding="utf-8")

@@ -7,6 +7,22 @@ from pathlib import Path
 import numpy as np
 
 
+class Wrong:
+    """A job that raises an error as soon as it begins."""
+
+    def __init__(self, error):
+        self.error = error
+
+    def file(self, number):
+        return Path(f"{number}.txt")
+
+    def pictures(self, numbers):
+        raise self.error
+
+    def write(self, number, picture):
+        return {"number": number}
+
+
 class Fake:
     """A job of numbers in files; its first process dies at some of them, with half a picture on the disk."""
 

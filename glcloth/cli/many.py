@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from ..errors import InputError
-from ..progress import say, track
+from ..progress import track
+from .common import tell
 
 if TYPE_CHECKING:
     from ..farm.film import Film
     from ..farm.pool import Job
+    from ..scene import Scene
 
 
 @Parameter(name="*")
@@ -43,6 +45,13 @@ class Many:
             raise InputError(f"--workers {self.workers}: expected 1 to 1024")
         if self.workers is not None and self.cluster is not None:
             raise InputError("--workers, --cluster: expected one of them; the cluster knows its workers")
+        if self.openjd is not None:
+            from ..farm.openjd import check_template
+
+            names = ("workers", "cluster", "only", "resume")
+            if (given := next((name for name in names if getattr(self, name)), None)) is not None:
+                raise InputError(f"--openjd, --{given}: a farm hands out the pictures itself; leave --{given} out")
+            check_template(self.openjd)
 
 
 def shared(job: Job, numbers: list[int], many: Many, what: str) -> Iterator[dict]:
@@ -76,19 +85,19 @@ def missing(job: Any, numbers: list[int]) -> list[int]:
     return [number for number in numbers if not is_there(number)]
 
 
-def animate(film: Film, many: Many, start: int, video: bool) -> int | None:
-    """Render a film, or write its template; how many frames were rendered, None for a template. Raises InputError."""
+def template(path: Path, template: dict, scene: Scene, folder: Path, pictures: int, as_json: bool) -> None:
+    """Write a template for a render farm, and say so."""
+    from ..farm.openjd import save_template
+
+    file = save_template(path, template, scene, folder)
+    result = {"template": str(path), "scene": str(file), "pictures": pictures}
+    tell(as_json, result, f"{path}: a template, a task for each of {pictures} pictures; its scene is {file}")
+
+
+def animate(film: Film, many: Many, start: int, video: bool) -> int:
+    """Render a film; how many frames were rendered. Raises InputError."""
     from ..farm.film import encode, in_frames, numbers_of
 
-    many.check()
-    if many.openjd is not None:
-        from ..farm.openjd import film_template, save_template
-
-        if video:
-            raise InputError(f"{film.output}: a farm writes frames; choose frames/%04d.png or .exr")
-        scene = save_template(many.openjd, film_template(film), film.scene, Path(film.output).parent)
-        say(f"{many.openjd}: a template of {film.frames} tasks; its scene is {scene}")
-        return None
     if video and (many.only is not None or many.resume):
         raise InputError(f"{film.output}: --only and --resume are for frames; choose frames/%04d.png or .exr")
     numbers = [n for n in numbers_of(many.only, film.frames) if n >= start]

@@ -113,8 +113,9 @@ def view(
         int | None, Parameter(help="Serve it to a browser on this port instead, 0: a free one; the address is printed.")
     ] = None,
     host: Annotated[
-        str, Parameter(help="With --http: the address to listen on; others than this machine's own let others in.")
-    ] = "127.0.0.1",
+        str | None,
+        Parameter(help="With --http: the address to listen on, 127.0.0.1 if none is given; others let others in."),
+    ] = None,
     options: SceneOptions | None = None,
     device: Device = None,
 ) -> None:
@@ -129,10 +130,12 @@ def view(
     if http is not None:
         if watch:
             raise InputError("--watch: belongs to the window; leave it or --http out")
-        from ..window.browser import serve
+        from ..window.browser import LOOPBACK, serve
 
-        serve(chosen, http, host, device)
+        serve(chosen, http, host or LOOPBACK, device)
         return
+    if host is not None:
+        raise InputError(f"--host {host}: is where --http listens; give --http PORT too, or leave it out")
 
     from ..window import view as open_window
 

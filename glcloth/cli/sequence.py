@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..files import atomic_write, check_writable
 from ..progress import say, track
 from .common import Device, Json, output_option, tell
-from .many import Many
+from .many import Many, template
 from .options import SceneOptions, scene_of
 
 if TYPE_CHECKING:
@@ -63,12 +63,19 @@ def animate(
         raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
     film = Film(chosen, str(output), frames, rate, wind, turntable, turn_env, device, start)
     begin = time.perf_counter()
+    if many is not None and many.openjd is not None:
+        from ..farm.openjd import film_template
+
+        many.check()
+        if video:
+            raise InputError(f"{output}: a farm writes frames; choose frames/%04d.png or .exr")
+        template(many.openjd, film_template(film), chosen, output.parent, frames - start, json)
+        return
     if many is not None and many.asked:
         from .many import animate as by_many
 
+        many.check()
         done = by_many(film, many, start, video)
-        if done is None:
-            return
     else:
         done = frames - start
         _film_here(film, start, video)

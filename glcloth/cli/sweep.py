@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from ..errors import InputError
-from ..progress import say
 from .common import Device, Json, output_option, tell
-from .many import Many, missing, shared
+from .many import Many, missing, shared, template
 from .options import SceneOptions, scene_of
 from .samples import make_folder
-
-if TYPE_CHECKING:
-    from ..farm.sweep import Sweep
 
 
 def sweep(
@@ -27,8 +23,8 @@ def sweep(
         list[str],
         Parameter(
             negative="",
-            help="An option of render and its values: fabric=linen,silk_shot or env-rotate=0:180:30; also of a yarn: "
-            "warp.gamma_s_deg=3:9:3. Repeatable: all combinations.",
+            help="An option of render and its values: fabric=linen,silk_shot, env-rotate=0:180:30 or eye='0,1,3;2,1,2'; also "
+            "of a yarn: warp.gamma_s_deg=3:9:3. Repeatable: all combinations.",
         ),
     ],
     output: Annotated[
@@ -57,11 +53,15 @@ def sweep(
 
     job = Sweep(chosen, output, *parse_vary(vary), suffix, device)
     scenes = [job.scene_at(number) for number in range(len(job.rows))]
-    for fabric in {scene.fabric for scene in scenes}:  # faults are said before anything is rendered
+    # Faults are said before anything is rendered.
+    for fabric in {fabric for scene in scenes for fabric in (scene.fabric, *scene.fabrics.values())}:
         load_fabric(fabric)
     numbers = numbers_of(many.only, len(job.rows))
     if many.openjd is not None:
-        return _template(job, many.openjd)
+        from ..farm.openjd import sweep_template
+
+        template(many.openjd, sweep_template(job), chosen, output, len(job.rows), json)
+        return
     if output.is_file():
         raise InputError(f"{output}: is a file, expected a folder; choose another name")
     make_folder(output)
@@ -76,10 +76,3 @@ def sweep(
         result["files"] = [str(path) for path in write_tables(job)]
     made = ", ".join(result.get("files", []))
     tell(json, result, f"{output}: {len(numbers)} pictures, {seconds:.1f} s{made and '; '}{made}")
-
-
-def _template(job: Sweep, path: Path) -> None:
-    from ..farm.openjd import save_template, sweep_template
-
-    scene = save_template(path, sweep_template(job), job.scene, job.folder)
-    say(f"{path}: a template of {len(job.rows)} tasks and one for the sheet; its scene is {scene}")

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from .. import __version__
-from ..errors import InputError
+from ..errors import InputError, printable
 from ..fabric import Fabric, load_fabric
 from ..files import atomic_write, check_writable
 from .maps import Textures, make_textures, normal_map, png, png16
@@ -126,6 +126,8 @@ def _glb(fabric: Fabric, path: Path) -> tuple[list[Path], Response]:
     opaque = not textures.has_holes
     color_png = png(np.concatenate([_srgb(color[..., :3]), color[..., 3:]], -1)[..., : 3 if opaque else 4])
     images = {"color": color_png, "normal": png(normal_map(textures)), "roughness": png(rough)}
+    # Along the tangent, everywhere. It says what is so without it, but Blender reads the UVs' tangent for its sake alone.
+    images["direction"] = png(np.full((4, 4, 3), (1.0, 0.5, 1.0)))
     chunks, views = b"", []
     for data in [*(a.tobytes() for *_, a in arrays), *images.values()]:
         views.append({"buffer": 0, "byteOffset": len(chunks), "byteLength": len(data)})
@@ -148,7 +150,7 @@ def _glb(fabric: Fabric, path: Path) -> tuple[list[Path], Response]:
         "meshes": [{"primitives": [{
             "attributes": {name: k for k, (name, *_) in enumerate(arrays) if name}, "indices": 4, "material": 0}]}],
         "materials": [material],
-        "textures": [{"source": k, "sampler": 0} for k in range(3)],
+        "textures": [{"source": k, "sampler": 0} for k in range(len(images))],
         "samplers": [{"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}],
         "images": [
             {"bufferView": first + k, "mimeType": "image/png", "name": name} for k, name in enumerate(images)
@@ -175,7 +177,7 @@ def _srgb(values: np.ndarray) -> np.ndarray:
 
 
 def _gltf_material(fabric: Fabric, fit: Fitted, opaque: bool) -> dict:
-    """The material with its extensions; textures 0 colour, 1 normals, 2 roughness."""
+    """The material with its extensions; textures 0 colour, 1 normals, 2 roughness, 3 the anisotropy's direction."""
     specular = np.array(fit.color("specular"))
     extensions: dict = {
         "KHR_materials_specular": {"specularFactor": 1.0, "specularColorFactor": specular.tolist()},
@@ -183,6 +185,7 @@ def _gltf_material(fabric: Fabric, fit: Fitted, opaque: bool) -> dict:
             "anisotropyStrength": fit.values["stretch"],
             # The direction is the one in which the highlight is long; the tangent is the warp's.
             "anisotropyRotation": np.pi / 2 if fit.across else 0.0,
+            "anisotropyTexture": {"index": 3},
         },
         "KHR_materials_sheen": {
             "sheenColorFactor": list(fit.color("sheen")),
@@ -294,7 +297,7 @@ def _mitsuba_py(fabric: Fabric, path: Path) -> tuple[list[Path], Response]:
     source = (Path(__file__).parent / "mitsuba_bsdf.py").read_text(encoding="utf-8")
     numbers = json.dumps(numbers_of(fabric))
     text = (
-        f"{source}\n\n# {fabric.name}, by glcloth {__version__}. Set a variant, import this file, load BSDF.\n"
+        f"{source}\n\n# {printable(fabric.name)}, by glcloth {__version__}. Set a variant, import this file, load BSDF.\n"
         f"NUMBERS = {numbers!r}\n"
         'BSDF = {"type": "twosided", "nested": {"type": "microcylinder", "numbers": NUMBERS}}\n'
         "register()\n"

@@ -6,6 +6,7 @@ A worker returns its picture and the client writes it, so that only what a scene
 from __future__ import annotations
 
 import threading
+import uuid
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
@@ -35,10 +36,10 @@ def share(job: Job, numbers: Iterable[int], address: str) -> Iterator[dict]:
         raise InputError(
             f"--cluster {address}: no scheduler answers ({type(error).__name__}); start one: dask scheduler"
         ) from None
+    name = uuid.uuid4().hex  # other clients of the scheduler have jobs too
     with client:
         tasks = [
-            client.submit(make, job, n, key=("glcloth", id(job), n), priority=-n, pure=False, retries=3)
-            for n in numbers
+            client.submit(make, job, n, key=("glcloth", name, n), priority=-n, pure=False, retries=3) for n in numbers
         ]
         for task in as_completed(tasks):
             number, picture = task.result()
@@ -54,11 +55,16 @@ def make(job: Job, number: int) -> tuple[int, np.ndarray]:
 def _picture(job: Job, number: int) -> np.ndarray:
     global _line
     with _lock:
-        if _line is None or _line[0] != job or number <= _line[1].number:
-            if _line is not None:
-                _line[1].close()
+        if _line is not None and (_line[0] != job or number <= _line[1].number):
+            _line[1].close()
+            _line = None
+        if _line is None:
             _line = job, _Line(job)
-        return _line[1].picture(number)
+        try:
+            return _line[1].picture(number)
+        except BaseException:
+            _line = None  # pictures that have failed do not go on
+            raise
 
 
 class _Line:

@@ -23,11 +23,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import DriverError, InputError, NoOpenGLError, ShaderError
 from ..progress import warn
 
 DEATHS = 3  # of the processes that had a picture in hand, until the picture is given up
 WARNING = "glcloth: warning: "
+# Errors that are the same ones here as in a process.
+KINDS = {kind.__name__: kind for kind in (InputError, NoOpenGLError, ShaderError, DriverError, MemoryError)}
 
 
 class Job(Protocol):
@@ -51,8 +53,8 @@ def threads_of(workers: int) -> int:
 def share(job: Job, numbers: Iterable[int], workers: int) -> Iterator[dict]:
     """Make the pictures of some numbers by `workers` processes; yields the result of each as it is done.
 
-    LP_NUM_THREADS is set for the processes (`threads_of`) unless the user has set it. Raises InputError as the job does, and
-    RuntimeError for a picture at which three processes died.
+    LP_NUM_THREADS is set for the processes (`threads_of`) unless the user has set it. Raises an error of KINDS as the job
+    does, and RuntimeError for a picture at which three processes died.
     """
     crew = _Crew(job, list(numbers), workers)
     try:
@@ -106,7 +108,7 @@ class _Crew:
                     self.give(pipe)
                     yield value
                 else:
-                    raise InputError(value) if kind == "wrong" else RuntimeError(value)
+                    raise KINDS.get(kind, RuntimeError)(value)
 
     def bury(self, pipe: Connection) -> None:
         """A process has died: its number waits again, and another process takes its place."""
@@ -185,10 +187,11 @@ def _work(pipe: Connection, job: Job) -> None:
         while feed.more():
             for picture in job.pictures(feed.ascending()):
                 pipe.send(("done", job.write(feed.number, picture)))
-    except InputError as error:
-        pipe.send(("wrong", str(error)))
     except EOFError:
         pass
+    except tuple(KINDS.values()) as error:
+        kind = next(name for name, one in KINDS.items() if isinstance(error, one))
+        pipe.send((kind, str(error)))
     except Exception:
         pipe.send(("fault", traceback.format_exc()))
 

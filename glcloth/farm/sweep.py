@@ -19,11 +19,11 @@ from PIL import Image, ImageDraw
 from ..color import luminance
 from ..errors import InputError
 from ..fabric import Yarn, load_fabric
-from ..fields import entries
 from ..files import atomic_write
 from ..image import read_image, write_image
+from ..picture.options import OPTIONS, SEVERAL, with_options
 from ..picture.renderer import Renderer
-from ..scene import CurtainParameters, Scene, header
+from ..scene import Scene, header
 
 MOST = 10_000
 YARNS = {"warp": 0, "weft": 1}
@@ -61,20 +61,10 @@ class Sweep:
             raise InputError(f"--vary: {said}: {error}") from None
 
     def _scene_at(self, number: int) -> Scene:
-        scene, table, yarns = {}, {}, {}
-        for name, value in zip(self.names, self.rows[number], strict=True):
-            if "." in name:
-                yarns[name] = value
-            else:
-                (table if name in CurtainParameters.model_fields else scene)[name] = value
-        if table and self.scene.curtain is None:
-            raise InputError(
-                f"--vary {next(iter(table))}: belongs to the curtain; give its scene: glcloth sweep curtain"
-            )
-        changed = self.scene.changed(**scene)
-        if table:
-            assert changed.curtain is not None
-            changed = changed.changed(curtain=changed.curtain.changed(**table))
+        said = dict(zip(self.names, self.rows[number], strict=True))
+        yarns = {name: value for name, value in said.items() if "." in name}
+        options = {name: [value] if name in SEVERAL else value for name, value in said.items() if "." not in name}
+        changed = with_options(self.scene, options)
         if not yarns:
             return changed
         fabric = load_fabric(changed.fabric)
@@ -113,14 +103,14 @@ def parse_vary(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[tuple[Any, 
 
     Values that hold commas are set apart by semicolons. Raises InputError.
     """
-    known = {e.name for model in (Scene, CurtainParameters) for e in entries(model) if e.option}
+    known = set(OPTIONS) | {"frame"}
     numbers = [name for name, field in Yarn.model_fields.items() if field.annotation is float]
     known |= {f"{yarn}.{name}" for yarn in YARNS for name in numbers}
     names, values = [], []
     for text in texts:
         name, equals, said = text.partition("=")
         name = name.strip().lstrip("-").replace("-", "_")
-        name = "objects" if name == "object" else name
+        name = {"object": "objects", "fov": "fov_deg"}.get(name, name)
         if name not in known:
             near = difflib.get_close_matches(name, known, 1, 0.5)
             hint = f"did you mean {near[0]}? " if near else ""

@@ -109,18 +109,20 @@ class Draft:
 
     def reduced(self) -> Draft:
         """One repeat of the draft: an equal cloth, of which nothing repeats."""
-        return self.first(*self.repeat)
+        return self.sized(*self.repeat)
 
-    def first(self, picks: int, ends: int) -> Draft:
-        """The first `picks` and `ends` of the draft."""
-        cut = {"warp": ends, "weft": picks}
+    def sized(self, picks: int, ends: int, drawdown: np.ndarray | None = None) -> Draft:
+        """The first `picks` and `ends` of the draft, which repeats where they are more; they weave another drawdown where one
+        is given."""
+        pick, end = np.arange(picks) % self.picks, np.arange(ends) % self.ends
         parts = {
-            f"{system}_{what}": None if (value := getattr(self, f"{system}_{what}")) is None else value[:count]
-            for system, count in cut.items()
+            f"{system}_{what}": None if (value := getattr(self, f"{system}_{what}")) is None else value[threads]
+            for system, threads in (("warp", end), ("weft", pick))
             for what in ("spacing", "thickness", "colors")
         }
-        cutout = None if self.cut is None else self.cut[:picks, :ends]
-        return replace(self, drawdown=self.drawdown[:picks, :ends], cut=cutout, **parts)
+        at = np.ix_(pick, end)
+        own = self.drawdown[at] if drawdown is None else drawdown
+        return replace(self, drawdown=own, cut=None if self.cut is None else self.cut[at], **parts)
 
     def flipped(self) -> Draft:
         """The draft read from the bottom, as handweavers often weave: twill lines lean the other way."""

@@ -79,14 +79,7 @@ class Loom:
     def draft(self, like: Draft) -> Draft:
         """The drawdown as a draft whose threads are those of `like`, repeated."""
         drawdown = self.drawdown
-        counts = {"warp": drawdown.shape[1], "weft": drawdown.shape[0]}
-        threads = {
-            f"{system}_{what}": None if (value := getattr(like, f"{system}_{what}")) is None else _cyclic(value, count)
-            for system, count in counts.items()
-            for what in ("spacing", "thickness", "colors")
-        }
-        cut = None if like.cut is None else _cyclic(_cyclic(like.cut, counts["weft"]).T, counts["warp"]).T
-        return Draft(drawdown, **threads, cut=cut, title=like.title)
+        return replace(like.sized(*drawdown.shape, drawdown), warnings=())
 
 
 def _in_order(rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -102,7 +95,3 @@ def _with(numbers: np.ndarray, at: int, value: int) -> np.ndarray:
     out = numbers.copy()
     out[at] = value
     return out
-
-
-def _cyclic(values: np.ndarray, count: int) -> np.ndarray:
-    return values[np.arange(count) % len(values)]

@@ -99,7 +99,7 @@ def make_tile(shape: Shape, size: tuple[int, int] | None = None) -> Tile:
     At each texel the highest of all yarns that pass there wins, so floats, crossings, gaps and areas need no cases.
     """
     picks, ends = shape.draft.structure
-    draft = shape.draft.first(picks, ends)
+    draft = shape.draft.sized(picks, ends)
     H, W = size or tile_size(picks, ends)
     warp, weft = _Threads(draft.warp_spacing, draft.warp_thickness), _Threads(draft.weft_spacing, draft.weft_thickness)
     v, u = (np.arange(H) + 0.5) * ends / H, (np.arange(W) + 0.5) * picks / W

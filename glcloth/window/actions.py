@@ -21,7 +21,6 @@ from .curtain import Player
 from .drawing import Drawing
 from .layout import Layout
 from .messages import Messages
-from .screen import Look
 from .state import Session
 from .thread_counter import Glass, glass_at
 from .tree_window import TreeWindow
@@ -171,13 +170,13 @@ class Actions:
         radius = 2.0 if self.session.in_curtain else self._drawing.refiner.frames[0].whole.radius
         self.look(orbit.zoom(self.camera, factor, radius))
 
-    def near_picture(self, look: Look) -> tuple[moderngl.Texture | None, float]:
+    def near_picture(self) -> tuple[moderngl.Texture | None, float]:
         """The cloth near by as the screen takes it, or None while it is made, and its width over its height.
 
         It is drawn as long as it is asked for.
         """
         near = self._drawing.look_near()
-        return near.texture(look), near.aspect
+        return near.texture(self._drawing.look), near.aspect
 
     def go_near(self) -> None:
         """Come so near to what the eye looks at that the picture is four centimetres wide."""

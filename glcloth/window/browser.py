@@ -15,9 +15,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from ..errors import InputError, NoOpenGLError, ShaderError
+from ..errors import InputError
 from ..fabric import save_fabric
-from ..progress import say
+from ..progress import say, warn
 from ..scene import Scene
 from .live import Live
 
@@ -82,6 +82,9 @@ class Handler(BaseHTTPRequestHandler):
             said = query.get("after", ["0"])[0][:15]
             after = int(said) if said.isascii() and said.isdigit() else 0
             shown = live.picture(after)
+            if live.closed:
+                self._refuse(410, live.ending)
+                return
             about = {"version": shown.version, "status": live.status, "complete": shown.complete}
             more = {"X-About": json.dumps(about | {"message": shown.message})}
             new = shown.version > after
@@ -201,7 +204,7 @@ def serve(scene: Scene, port: int, host: str = LOOPBACK, device: int | str | Non
     server = Server(live, port, host)
     thread = threading.Thread(target=server.serve_forever, daemon=True)
     thread.start()
-    if host not in (LOOPBACK, "localhost", "::1"):
+    if host not in (LOOPBACK, "localhost"):
         say(
             f"glcloth: warning: who has the address can use this view from other machines; it is not encrypted ({host})"
         )
@@ -228,8 +231,10 @@ class LiveView:
     def _draw(self) -> None:
         try:
             self._live.run()
-        except (InputError, NoOpenGLError, ShaderError) as error:
+        except Exception as error:  # nobody else hears of it in this thread
             self._error = error
+            if self._live.picture(0, 0.0).version:
+                warn(f"the view has ended: {self._live.fault}")
 
     @property
     def address(self) -> str:
@@ -249,6 +254,8 @@ class LiveView:
     def wait(self, seconds: float = 60.0) -> None:
         """Until there is a picture. Raises what the drawing raised."""
         self._live.picture(0, seconds)
+        if self._live.closed:
+            self._thread.join(10)
         if self._error is not None:
             raise self._error
 

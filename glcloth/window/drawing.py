@@ -147,7 +147,7 @@ class Drawing:
         if complete:
             self.ready = ready
         if self.near is not None:
-            self.near.show(frames[0])
+            self.near.show(self.session.fabric, frames[0])
         return not self.refiner.show(frames)
 
     def _follow_curtain(self, document: Document) -> bool:
@@ -180,8 +180,8 @@ class Drawing:
         self._near_asked = True
         if self.near is None:
             self.near = NearView(self.ctx)
-            if self.refiner.frames:
-                self.near.show(self.refiner.frames[0])
+        if self.refiner.frames:  # another part may have been chosen, which is no edit
+            self.near.show(self.session.fabric, self.refiner.frames[0])
         return self.near
 
     def work(self, budget: float) -> bool:
@@ -228,11 +228,17 @@ class Drawing:
 
     def paint(self, rectangle: Rectangle) -> None:
         """Put the picture into a rectangle of the window."""
-        document, shown = self.session.document, self.session.shown
-        look = Look(shown.exposure, self._transform(shown), getattr(shown, "background", True))
+        document = self.session.document
+        look = self.look._replace(opaque=getattr(document.shown, "background", True))
         self._screen.draw(
             self.drawer.sides, look, rectangle, document.compare, document.split, document.difference_scale
         )
+
+    @property
+    def look(self) -> Look:
+        """How the scene that is shown comes to the screen."""
+        shown = self.session.shown
+        return Look(shown.exposure, self._transform(shown))
 
     def _transform(self, shown: Scene) -> Transform:
         """The view transform of a scene; where its config cannot be used, our own, and a message."""

@@ -8,7 +8,8 @@ from pathlib import Path
 from ..color import srgb_decode
 from ..errors import InputError
 from ..fabric import save_fabric
-from ..geometry.mesh_files import load_solid
+from ..files import is_file
+from ..geometry.mesh_files import MESH_SUFFIXES, load_solid
 from ..image import check_output, write_image
 from ..place import split_place
 from ..scene import Scene, header, load_scene, save_scene
@@ -21,10 +22,11 @@ from .dialogs import Dialogs
 from .watch import SHADERS, Watcher
 
 DRAFTS = ["Drafts", " ".join(f"*{suffix}" for suffix in SUFFIXES)]
-OBJECTS = ["Meshes", "*.obj *.ply *.glb *.gltf"]
+MESHES = " ".join(f"*{suffix}" for suffix in MESH_SUFFIXES)
+OBJECTS = ["Meshes", MESHES]
 OPENABLE = [
     "Fabrics, drafts, scenes, lights, meshes, environments, pictures",
-    "*.toml *.wif *.dtx *.wpo *.twa *.json *.obj *.ply *.glb *.gltf *.hdr *.exr *.png",
+    f"*.toml *.json {DRAFTS[1]} {MESHES} *.hdr *.exr *.png",
 ]
 
 
@@ -75,7 +77,7 @@ class Files:
                 self.actions.go_to(frame_of(scene))
         elif kind == "mesh":
             session.choose_mode("cloth")
-            session.edit_scene(mesh=path, fabrics={})
+            session.edit_scene(mesh=path, fabrics={}, prints={}, opacities={})
         else:
             session.edit_shown(env=path)
 
@@ -182,14 +184,12 @@ class Files:
         """Read again the files that have changed on disk."""
         if self._watcher is None:
             return
-        session, shown = self.session, self.session.shown
-        names = [getattr(shown, name, None) for name in ("env", "lights", "room")]
-        names += [*shown.meshes, *shown.fabrics.values(), *(split_place(name)[0] for name in shown.objects)]
-        names += [self.source, session.chosen]
-        for name in self._watcher.changed({n for n in names if isinstance(n, str) and Path(n).is_file()}):
+        session, document = self.session, self.session.document
+        names = set[str]().union(*(scene.files() for scene in document.sides()), session.known)
+        for name in self._watcher.changed({n for n in (*names, self.source) if n is not None and is_file(n)}):
             if name == SHADERS:
                 self.actions.reload_shaders()
-            elif name == session.chosen:
+            elif name in session.known:
                 self.actions.attempt(self._reread_fabric, name)
             elif name == self.source:
                 self.open(name)
@@ -197,7 +197,6 @@ class Files:
 
     def _reread_fabric(self, name: str) -> None:
         self.session.reread(name)
-        self.session.choose_fabric(name)
         self.actions.look_again(anew=True)
 
     def close(self) -> None:

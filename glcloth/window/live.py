@@ -10,6 +10,7 @@ import queue
 import threading
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
@@ -69,6 +70,12 @@ class Live:
         self._shown = Shown(0, b"", False, "")
         self._message = ""
         self.status = "beginning"  # how far it is, in words
+        self.fault = ""  # what ended the drawing, if it was not `close`
+        names = builtin_fabrics()
+        first = scene.fabric if isinstance(scene.fabric, str) else scene.fabric.name
+        if not isinstance(scene.fabric, str) and first in names:
+            first = f"{first}, own"
+        self._fabrics = {first: scene.fabric} | {name: name for name in names}  # those to choose from
         self._document: Document | None = None
         self._pending, self._closed, self._ended = True, False, False
         self._sent, self._unsent = 0.0, False
@@ -78,7 +85,7 @@ class Live:
     def ask(self, wish: Callable[[], T]) -> T:
         """Have the drawing thread do something with the session; its result, or its error. Raises InputError once closed."""
         if self._closed:
-            raise InputError("this view is closed; open another")
+            raise InputError(self.ending)
         future: Future = Future()
         self._wishes.put((future, wish))
         while True:
@@ -86,7 +93,17 @@ class Live:
                 return future.result(1.0)
             except TimeoutError:
                 if self._ended:
-                    raise InputError("this view is closed; open another") from None
+                    raise InputError(self.ending) from None
+
+    @property
+    def closed(self) -> bool:
+        """Whether nothing will be drawn any more."""
+        return self._closed
+
+    @property
+    def ending(self) -> str:
+        """Why nothing is drawn any more."""
+        return self.fault or "this view is closed; open another"
 
     def picture(self, after: int = 0, patience: float | None = None) -> Shown:
         """The present picture, once it is newer than number `after`; the old one after `patience` seconds: by default soon
@@ -135,11 +152,9 @@ class Live:
             {"name": name, "fields": [_control(entry, value) for entry in fields]}
             for name, (value, fields) in self.groups().items()
         ]
-        chosen = session.chosen if isinstance(session.chosen, str) else ""
-        names = builtin_fabrics()
         return {
-            "fabric": chosen,
-            "fabrics": names if chosen in names else [chosen, *names],
+            "fabric": next(name for name, fabric in self._fabrics.items() if fabric == session.chosen),
+            "fabrics": list(self._fabrics),
             "title": session.fabric.name,
             "size": list(session.scene.size),
             "groups": groups,
@@ -171,9 +186,9 @@ class Live:
 
     def choose(self, fabric: str) -> None:
         """Take another of the built-in fabrics, or the first one again. Raises InputError."""
-        if fabric not in self.state()["fabrics"]:
+        if fabric not in self._fabrics:
             raise InputError(f"fabric {fabric}: expected one of the built-in fabrics")
-        self.session.choose_fabric(fabric)
+        self.session.choose_fabric(self._fabrics[fabric])
 
     def look(self, how: str, x: float, y: float) -> None:
         """Move the eye: orbit, pan (of the picture's height), zoom (steps), or home; `turn` turns the light."""
@@ -196,21 +211,25 @@ class Live:
     # -- the drawing thread ------------------------------------------------------------------------------------------
 
     def run(self) -> None:
-        """Draw until closed. Raises NoOpenGLError, and InputError when the first scene cannot be shown."""
-        ctx = create_context(self._device)
-        self.resources = Resources()
+        """Draw until closed. Raises NoOpenGLError, and InputError when the first scene cannot be shown; then, too, nobody
+        waits for a picture any more."""
         try:
-            self.refiner = Refiner(ctx)
-            while not self._closed:
-                self._step()
+            with ExitStack() as stack:
+                ctx = create_context(self._device)
+                stack.callback(ctx.release)
+                self.resources = Resources()
+                stack.callback(self.resources.close)
+                self.refiner = Refiner(ctx)
+                stack.callback(self.refiner.renderer.close)
+                stack.callback(self.refiner.release)
+                while not self._closed:
+                    self._step()
+        except Exception as error:
+            self.fault = one_line(error) or type(error).__name__
+            raise
         finally:
-            self.close()
             self._ended = True
-            self.resources.close()
-            if hasattr(self, "refiner"):
-                self.refiner.release()
-                self.refiner.renderer.close()
-            ctx.release()
+            self.close()
 
     def _step(self) -> None:
         self._hear()

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import moderngl
 
+from ..fabric import Fabric
 from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
@@ -15,6 +16,7 @@ from ..picture.patch import patch, patch_camera
 from ..picture.renderer import Renderer
 from .clock import now
 from .pictures import Side, Targets
+from .refine import OF_PARTS
 from .screen import Look, Screen
 from .slices import BUDGET
 
@@ -27,7 +29,7 @@ COPY = "passes/window/refine.frag"
 
 
 class NearView:
-    """Draws a frame's first fabric. `show` takes a frame, `work` draws for a while, `texture` is what to put on screen."""
+    """Draws one fabric. `show` takes it, `work` draws for a while, `texture` is what to put on screen."""
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
@@ -59,17 +61,16 @@ class NearView:
         """Width over height."""
         return SIZE[0] / SIZE[1]
 
-    def show(self, frame: Frame) -> None:
-        """Draw the first fabric of a frame from now on, in its light."""
-        scene = frame.scene
-        if not self._shown.changes(frame.fabric, frame.lights, frame.environment):
+    def show(self, fabric: Fabric, frame: Frame) -> None:
+        """Draw a fabric from now on, in the light of a frame."""
+        if not self._shown.changes(fabric, frame.lights, frame.environment):
             return
-        scene = scene.changed(
+        scene = frame.scene.changed(
             method="direct", quality="normal", shadows="off", threads=True, adaptive=False, background=False,
-            objects=(), ground="off", spp=SAMPLES, size=SIZE,
+            objects=(), ground="off", spp=SAMPLES, size=SIZE, uv_scale=1.0, **OF_PARTS,
         )  # fmt: skip
         self._frame = self.renderer.prepare(
-            scene, fabric=frame.fabric, mesh=self._mesh, environment=frame.environment, lights=frame.lights,
+            scene, fabric=fabric, mesh=self._mesh, environment=frame.environment, lights=frame.lights,
             camera=self._camera,
         )  # fmt: skip
         self._begun, self._answered = now(), False

@@ -291,7 +291,10 @@ def _same_light(new: Frame, old: Frame) -> bool:
     return (
         same.scene == old.scene
         and len(same.cloths) == len(old.cloths)
-        and all(a.fabric is b.fabric and a.mesh is b.mesh for a, b in zip(same.cloths, old.cloths, strict=True))
+        and all(
+            a.fabric is b.fabric and a.mesh is b.mesh and a.print is b.print and a.opacity is b.opacity
+            for a, b in zip(same.cloths, old.cloths, strict=True)
+        )
         and same.environment is old.environment
         and same.lights is old.lights
         and same.objects is old.objects

@@ -13,13 +13,13 @@ from ..errors import InputError
 from ..fabric import Fabric
 from ..fields import entries
 from ..files import read_toml
+from ..geometry.mesh_files import MESH_SUFFIXES
 from ..image import read_settings
 from ..light.lights_file import FORMAT
 from ..scene import CurtainParameters, Scene, View
 from ..weave.others import SUFFIXES
 
-MESHES = (".obj", ".ply", ".glb", ".gltf")
-KINDS = {".hdr": "env", ".png": "scene", ".json": "lights", **dict.fromkeys(MESHES, "mesh")}
+KINDS = {".hdr": "env", ".png": "scene", ".json": "lights", **dict.fromkeys(MESH_SUFFIXES, "mesh")}
 KINDS |= dict.fromkeys(SUFFIXES, "fabric")
 
 
@@ -41,7 +41,7 @@ def kind_of(path: str | Path) -> Literal["scene", "fabric", "lights", "mesh", "e
         return "fabric" if "yarn" in data or "normalization" in data else "scene"
     raise InputError(
         f"{path}: cannot open {suffix or 'a file without suffix'}, expected .toml (fabric, scene or lights), "
-        f".json (lights), {' '.join(SUFFIXES)} (draft), {' '.join(MESHES)} (mesh), .hdr .exr "
+        f".json (lights), {' '.join(SUFFIXES)} (draft), {' '.join(MESH_SUFFIXES)} (mesh), .hdr .exr "
         "(environment), or a picture of ours (.exr .png)"
     )
 

@@ -72,8 +72,12 @@ def _alone(scene: Scene | str | None, changes: dict[str, Any]) -> Scene | None:
 def _live(scene: Scene, display: Any) -> LiveView:
     """A live view under the cell."""
     view = LiveView(scene)
+    try:
+        view.wait()
+    except BaseException:
+        view.close()
+        raise
     atexit.register(view.close)
-    view.wait()
     display(_frame(view.address, max(scene.size[1] + 60, 460)))
     return view
 

@@ -163,9 +163,29 @@ class Session:
             self._fabrics[fabric] = load_fabric(fabric)
         return self._fabrics[fabric]
 
+    @property
+    def known(self) -> set[str]:
+        """The names and files of the fabrics that are worn, or that resets go back to."""
+        document = self.document
+        worn = [document.origin, document.curtain_origin, *document.origins.values()]
+        for scene in document.sides():
+            worn += [scene.fabric, *scene.fabrics.values()]
+        return {fabric for fabric in worn if isinstance(fabric, str)}
+
     def reread(self, fabric: str) -> None:
-        """Read a fabric's file again. Raises InputError when it cannot be read; the last one then stays."""
+        """Read a fabric's file again; what goes back to it by a reset is that file again. Raises InputError when it cannot be
+        read; the last one then stays."""
         self._fabrics[fabric] = load_fabric(fabric)
+        document = self.document
+        parts = {part: fabric for part in document.scene.fabrics if document.origins.get(part) == fabric}
+        changes: dict = {"fabrics": {**document.scene.fabrics, **parts}} if parts else {}
+        if document.origin == fabric:
+            changes["fabric"] = fabric
+        scene = document.scene.model_copy(update=changes) if changes else document.scene
+        curtain = document.curtain
+        if document.curtain_origin == fabric:
+            curtain = curtain.model_copy(update={"fabric": self._hangable(fabric)})
+        self.apply(replace(document, scene=scene, curtain=curtain))
 
     @property
     def can_undo(self) -> bool:

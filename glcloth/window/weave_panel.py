@@ -19,7 +19,6 @@ from .controls import controls
 from .dialogs import available
 from .draft_grid import Cell, Grid
 from .files import DRAFTS, Files
-from .screen import Look
 from .widgets import CLAMP, GREY, Panel, buttons, chooser, tip
 
 SETT = controls(Weave, ("ends_per_cm", "picks_per_cm"))
@@ -79,8 +78,7 @@ class WeavePanel(Panel):
         if session.in_curtain:
             imgui.text_colored(GREY, "the curtain is traced without threads")
             return
-        look = Look(session.scene.exposure, session.scene.view_transform)
-        texture, aspect = actions.near_picture(look)
+        texture, aspect = actions.near_picture()
         width = imgui.get_content_region_avail().x
         if texture is None:
             imgui.text_colored(GREY, "the first view near by compiles its programs for some seconds")

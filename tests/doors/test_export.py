@@ -1,9 +1,14 @@
 """Fabrics for other renderers: files that others read, models that are what they say, errors that are measured."""
 
+import ast
 import io
 import json
+import os
 import struct
+import subprocess
+import sys
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -69,20 +74,52 @@ def test_normals_lean_where_the_yarns_go():
 
 
 def test_glb_is_read_by_others(rough, tmp_path):
-    assert run("export", "organza", "-o", tmp_path / "a.glb") == 0
+    assert run("export", "lace", "-o", tmp_path / "a.glb") == 0
     data = (tmp_path / "a.glb").read_bytes()
     magic, version, total, length, kind = struct.unpack("<4sIII4s", data[:20])
     assert (magic, version, total, kind) == (b"glTF", 2, len(data), b"JSON") and length % 4 == 0
     document = json.loads(data[20 : 20 + length])
     material = document["materials"][0]
     assert set(material["extensions"]) == set(document["extensionsUsed"]) and material["alphaMode"] == "MASK"
-    assert 0 <= material["extensions"]["KHR_materials_anisotropy"]["anisotropyStrength"] <= 1
+    stretched, through = (
+        material["extensions"][f"KHR_materials_{name}"] for name in ("anisotropy", "diffuse_transmission")
+    )
+    assert 0 <= stretched["anisotropyStrength"] <= 1 and through["diffuseTransmissionFactor"] <= 1
+    assert max(through["diffuseTransmissionColorFactor"]) == pytest.approx(1)
+    # Blender takes the UVs' tangent only where there is such a texture; without one the cloth is black there.
+    image = document["images"][document["textures"][stretched["anisotropyTexture"]["index"]]["source"]]
+    view = document["bufferViews"][image["bufferView"]]
+    direction = picture(data[28 + length + view["byteOffset"] :][: view["byteLength"]])
+    assert (direction == (255, 128, 255)).all()
     assert all(view["byteOffset"] % 4 == 0 for view in document["bufferViews"])
     (mesh,) = trimesh.load(tmp_path / "a.glb").geometry.values()
     assert np.allclose(mesh.extents, [0.2, 0.2, 0.0]) and mesh.visual.material.baseColorTexture.mode == "RGBA"
     # A repeat of the texture is a repeat of the cloth.
-    size = make_textures(load_fabric("organza"), (0.1,) * 3, 0.5).size
+    size = make_textures(load_fabric("lace"), (0.1,) * 3, 0.5).size
     assert np.allclose(np.ptp(mesh.visual.uv, 0), 0.2 / np.array(size), rtol=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["silk_shot", "houndstooth"])
+def test_blender_opens_and_renders_a_glb(name, tmp_path):
+    """Under a white sky it is as bright as the fit. BLENDER_PYTHON names a Python that has bpy, if this one has not."""
+    python = os.environ.get("BLENDER_PYTHON", sys.executable)
+    if subprocess.run([python, "-c", "import bpy"], capture_output=True).returncode:
+        pytest.skip("needs Blender: pip install 'glcloth[blender]'")
+    fabric = load_fabric(name)
+    files.export(fabric, tmp_path / "a.glb")
+    command = [python, Path(__file__).with_name("blender_render.py"), tmp_path / "a.glb"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    found = json.loads(done.stdout.splitlines()[-1])
+    assert np.allclose(sorted(found["size"]), [0, 0.2, 0.2]) and {"Normal", "Tangent", "Anisotropic"} <= {
+        *found["linked"]
+    }
+    lights = original.hemisphere(20_000, 3)
+    fit = models.fit_gltf(fabric)
+    share = 2 * np.pi * (1 - original.LOWEST)
+    mean = fit.model(lights, np.broadcast_to([0.0, 0.0, 1.0], lights.shape)).mean(0) * share
+    held = make_textures(fabric, fit.color("base"), fit.values["roughness"]).opacity.mean()
+    assert np.allclose(found["mean"], held * mean + 1 - held, rtol=0.2)
 
 
 def test_materialx_finds_no_fault(rough, tmp_path):
@@ -138,10 +175,9 @@ def test_u3m_says_sizes_and_means_of_its_maps(rough, tmp_path):
     color = picture((tmp_path / front["basecolor"]["texture"]["image"]["path"]).read_bytes()) / 255
     constant = [front["basecolor"]["constant"][c] for c in "rgb"]
     assert np.allclose(srgb_decode(color).mean((0, 1)), srgb_decode(np.array(constant)), rtol=0.05, atol=2e-3)
-    # A repeat of a 3/1 twill: four ends, as wide as their sett says.
-    assert images[0]["height"] == pytest.approx(40 / 26, rel=1e-3) or images[0]["width"] == pytest.approx(
-        40 / 26, rel=1e-3
-    )
+    # A repeat of a 3/1 twill: four picks along u, which follows the warp, and four ends along v, as their setts say.
+    size = images[0]["width"], images[0]["height"]
+    assert size == pytest.approx((40 / 17.3, 40 / 26), rel=1e-3)
 
 
 def test_u3ma_is_the_archive_that_the_format_wants(rough, tmp_path):
@@ -226,8 +262,9 @@ def test_exports_for_mitsuba_and_wrong_names(few, tmp_path, capsys, monkeypatch)
         raise MissingMitsubaError("not measured here")
 
     monkeypatch.setattr(files, "by_mitsuba", nobody)  # its process takes seconds to start
-    assert run("export", "linen", "-o", tmp_path / "linen.py") == 0
-    assert "not measured" in capsys.readouterr().err
+    assert run("export", "linen", "-o", tmp_path / "linen.py", "--picture", tmp_path / "pair.png", "--json") == 0
+    said = capsys.readouterr()
+    assert "pair.png: is not written" in said.err and "not measured" in json.loads(said.out)["not_measured"]
     compile((tmp_path / "linen.py").read_text(), "linen.py", "exec")
     assert "glcloth" not in [
         line.split()[1] for line in (tmp_path / "linen.py").read_text().splitlines() if line[:7] == "import "
@@ -235,3 +272,11 @@ def test_exports_for_mitsuba_and_wrong_names(few, tmp_path, capsys, monkeypatch)
     assert "expected a name that ends in" in fails(capsys, "export", "linen", "-o", tmp_path / "a.obj")
     assert "linen" in fails(capsys, "export", "linnen", "-o", tmp_path / "a.zip")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["linen.py"]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r"])
+def test_a_fabrics_name_is_no_code(tmp_path, end):
+    fabric = load_fabric("linen").changed(name=f"linen{end}raise SystemExit{end}# x")
+    files._mitsuba_py(fabric, tmp_path / "a.py")
+    tree = ast.parse((tmp_path / "a.py").read_bytes())
+    assert not any(isinstance(node, ast.Raise) for node in tree.body)

@@ -3,25 +3,31 @@
 import csv
 import json
 import os
-import shlex
-from dataclasses import replace
+import subprocess
+import sys
+from dataclasses import fields, replace
+from pathlib import Path
+from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
-from fake_job import Fake
+from fake_job import Fake, Wrong
 from test_doors import fails, run
 
 from glcloth import cli
 from glcloth.cli.many import missing
-from glcloth.errors import InputError
+from glcloth.cli.options import SceneOptions, scene_of
+from glcloth.errors import DriverError, InputError, NoOpenGLError, ShaderError
 from glcloth.farm import cluster, pool
 from glcloth.farm.film import Film, numbers_of
-from glcloth.farm.openjd import film_template
-from glcloth.farm.sweep import parse_vary
+from glcloth.farm.openjd import film_template, sweep_template
+from glcloth.farm.sweep import Sweep, parse_vary
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh
 from glcloth.image import read_image, write_image
 from glcloth.picture import sequence
+from glcloth.picture.options import OPTIONS, SEVERAL
 from glcloth.scene import Scene, load_scene
 
 QUICK = ["--mesh", "sphere", "--size", "16x12", "--shadows", "off", "--quality", "draft"]
@@ -40,6 +46,19 @@ def test_a_process_killed_costs_its_picture_which_another_makes(tmp_path, capsys
 def test_a_picture_that_kills_every_process_is_given_up(tmp_path):
     with pytest.raises(RuntimeError, match=r"0\.txt: 3 processes died"):
         list(pool.share(Fake(tmp_path, (0,), always=True), [0], 1))
+
+
+def test_errors_of_processes_are_those_of_one_process(monkeypatch):
+    """One through a real process, all through what a process runs."""
+    with pytest.raises(NoOpenGLError, match=r"^no OpenGL here$"):
+        list(pool.share(Wrong(NoOpenGLError("no OpenGL here")), [0], 1))
+    sent = []
+    pipe = SimpleNamespace(recv=lambda: 0, send=sent.append)
+    monkeypatch.setattr(sys, "stderr", sys.stderr)  # which a process takes over
+    for error in (InputError("a"), ShaderError("b"), DriverError("c"), MemoryError("d"), KeyError("e")):
+        pool._work(pipe, Wrong(error))
+        kind, text = sent.pop()
+        assert pool.KINDS.get(kind, KeyError) is type(error) and str(error) in text
 
 
 def test_some_frames_of_cloth_that_moves_have_the_bits_of_all(renderer):
@@ -114,6 +133,22 @@ def test_wrong_sweeps_are_said_before_anything_is_rendered(tmp_path, capsys):
     assert not (tmp_path / "s").exists()
 
 
+def test_sweeps_know_all_options_of_render():
+    assert {field.name for field in fields(SceneOptions)} == OPTIONS
+    assert {name for name in OPTIONS if "list" in str(SceneOptions.__annotations__[name])} == SEVERAL
+    words = {"fov": "30", "eye": "0,1,4", "target": "0,0,0", "print": "a.png", "print-repeat": "0.25", "env-rotate": "20",
+             "object": "sphere@1,0,0", "fabric": "Lining=voile", "background": "false"}  # fmt: skip
+    sweep = Sweep(Scene(), Path("s"), *parse_vary([f"{name}={value};" for name, value in words.items()]))
+    given = [part for name, value in words.items() if name != "background" for part in (f"--{name}", value)]
+    arguments = known(["render", *given, "--no-background", "-o", "a.png"])
+    assert sweep.scene_at(0) == scene_of(None, arguments["options"]) != Scene()
+    bookmarked = Scene(bookmarks=[{"name": "mine", "camera": {"eye": (0, 0, 9)}}])
+    sweep = Sweep(bookmarked, Path("s"), *parse_vary(["view=mine,front"]))
+    assert [(s.camera.eye, s.camera.view) for s in map(sweep.scene_at, (0, 1))] == [((0, 0, 9), None), (None, "front")]
+    curtain = Sweep(load_scene("curtain"), Path("s"), *parse_vary(["wind=1,2", "frame=9"]))
+    assert (curtain.scene_at(1).curtain.wind, curtain.scene_at(1).frame) == (2.0, 9)
+
+
 def test_values_of_sweeps_and_numbers_of_frames():
     assert parse_vary(["env-rotate=0:180:60", "ground_color=0.1,0.2,0.3;0,0,0"]) == (
         ("env_rotate", "ground_color"),
@@ -125,16 +160,74 @@ def test_values_of_sweeps_and_numbers_of_frames():
         numbers_of("8", 8)
 
 
-def test_a_farm_runs_commands_that_the_command_line_knows():
-    template = film_template(Film(Scene(), "frames/%04d.png", 5))
-    (step,) = template["steps"]
-    assert step["parameterSpace"]["taskParameterDefinitions"][0]["range"] == "0-4"
-    text = step["script"]["embeddedFiles"][0]["data"].splitlines()[-1]
-    text = (
-        text.replace("{{Param.Scene}}", "drape").replace("{{Task.Param.Frame}}", "3").replace("{{Param.Frames}}", "f")
+def farmed(folder, template, scene, output, number):
+    """The command line of each step of a template, as a farm's machine runs it: its words."""
+    fake = folder / "bin" / "glcloth"
+    fake.parent.mkdir(exist_ok=True)
+    fake.write_text("#!/bin/sh\nprintf '%s\\0' \"$@\"\n")
+    fake.chmod(0o755)
+    script = folder / "run.sh"
+    given = {"Task.File.Run": script, "Param.Scene": scene, "Param.Output": output, "Task.Param.Number": number}
+    for step in template["steps"]:
+        script.write_text(step["script"]["embeddedFiles"][0]["data"])
+        action = step["script"]["actions"]["onRun"]
+        words = [action["command"], *(str(given[text.strip("{}")]) for text in action["args"])]
+        path = f"{fake.parent}:{os.environ['PATH']}"
+        said = subprocess.run(words, capture_output=True, text=True, check=True, env=os.environ | {"PATH": path})
+        yield said.stdout.split("\0")[:-1]
+
+
+def known(words):
+    """What the command line makes of words."""
+    return cli.app.parse_args(words, exit_on_error=False, print_error=False)[1].arguments
+
+
+def test_a_farm_runs_commands_that_the_command_line_knows(tmp_path):
+    odd = "a \"b\" 'c' $d"
+    film = Film(Scene(), "my frames/%04d.png", 5, turn_env=-90.0, device="llvm pipe", since=2)
+    template = film_template(film)
+    assert template["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0]["range"] == "2-4"
+    ((*words,),) = farmed(tmp_path, template, odd, odd, 3)
+    found = known(words)
+    assert (found["scene"], str(found["output"]), found["many"].only) == (odd, f"{odd}/%04d.png", "3")
+    assert (found["start"], found["device"], found["turntable"], found["turn_env"]) == (2, "llvm pipe", False, -90.0)
+
+    mine = tmp_path / "my linen.toml"
+    mine.write_text("")
+    sweep = Sweep(
+        Scene(), tmp_path, *parse_vary([f"fabric=silk_shot,{mine}", "ground-color=0.1,0.2,0.3;0,0,0"]), ".exr", 1
     )
-    _, bound, _ = cli.app.parse_args(shlex.split(text)[1:], exit_on_error=False, print_error=False)
-    assert bound.arguments["many"].only == "3" and str(bound.arguments["output"]) == "f/%04d.png"
+    template = sweep_template(sweep)
+    assert template["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0]["range"] == "0-3"
+    one, sheet = (known(words) for words in farmed(tmp_path, template, odd, odd, 3))
+    assert one["many"].only == "3" and sheet["many"].resume and template["steps"][1]["dependencies"]
+    for found in (one, sheet):
+        assert (found["scene"], str(found["output"]), found["suffix"], found["device"]) == (odd, odd, ".exr", "1")
+        assert parse_vary(found["vary"]) == (sweep.names, sweep.values)
+
+
+def test_a_template_overwrites_nothing_of_the_user(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    own = 'fabric = "linen"\n'
+    (tmp_path / "farm.toml").write_text(own)
+    command = ["animate", "farm.toml", "-o", "f/%d.png", "--frames", "4", "--openjd"]
+    for _ in range(2):  # what it wrote itself it writes again
+        assert run(*command, "farm.json", "--json") == 0
+        assert json.loads(capsys.readouterr().out) == {
+            "template": "farm.json", "scene": "farm.json.toml", "pictures": 4}  # fmt: skip
+    assert (tmp_path / "farm.toml").read_text() == own and load_scene("farm.json.toml").fabric == "linen"
+    (tmp_path / "b.json.toml").write_text(own)
+    assert "overwrite b.json.toml" in fails(capsys, *command, "b.json")
+    assert "ends in .json" in fails(capsys, *command, "farm.toml")
+    for more in (["--only", "1"], ["--resume"], ["--workers", "2"], ["--cluster", "tcp://1.2.3.4"]):
+        assert f"leave {more[0]} out" in fails(capsys, *command, "c.json", *more)
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "b.json.toml",
+        "f",
+        "farm.json",
+        "farm.json.toml",
+        "farm.toml",
+    ]
 
 
 def test_a_cluster_makes_the_pictures(tmp_path):
@@ -146,3 +239,37 @@ def test_a_cluster_makes_the_pictures(tmp_path):
     assert sorted(done) == [0, 2, 5] and (tmp_path / "5.txt").read_text().startswith("15 ")
     with pytest.raises(InputError, match="no scheduler answers"):
         list(cluster.share(Fake(tmp_path), [0], "not an address"))
+
+
+def test_a_worker_goes_on_after_a_picture_that_failed(tmp_path):
+    with pytest.raises(MemoryError):
+        cluster._picture(Wrong(MemoryError("at 3")), 3)
+    assert cluster._picture(Fake(tmp_path), 4)[0] == 4
+
+    class Once(Fake):
+        failed = False
+
+        def pictures(self, numbers):
+            for number in numbers:
+                if number == 5 and not self.failed:
+                    Once.failed = True
+                    raise MemoryError("at 5")
+                yield np.full(3, number)
+
+    job = Once(tmp_path)
+    assert cluster._picture(job, 4)[0] == 4
+    with pytest.raises(MemoryError):
+        cluster._picture(job, 5)
+    assert [cluster._picture(job, n)[0] for n in (6, 7, 5)] == [6, 7, 5]
+
+
+def test_jobs_of_a_scheduler_have_names_of_their_own(tmp_path, monkeypatch):
+    """A job may lie where another client's lies in its memory."""
+    import distributed
+
+    client = MagicMock()
+    monkeypatch.setattr(distributed, "Client", client)
+    monkeypatch.setattr(distributed, "as_completed", lambda tasks: [])
+    for _ in range(2):
+        list(cluster.share(Fake(tmp_path), [0, 1], "x"))
+    assert len({call.kwargs["key"] for call in client().submit.call_args_list}) == 4

@@ -8,20 +8,13 @@ import sys
 import numpy as np
 import pytest
 
+from glcloth.bench.check import LIGHTS
 from glcloth.color import luminance
 from glcloth.errors import InputError
 from glcloth.fabric import builtin_fabrics
-from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.light.lights import SphericalGaussians
 
-# No sharper than the cube map can resolve, so that the reference is right.
-LIGHTS = Lights(
-    SphericalGaussians(
-        [[0, 1, 0], [0.7, 0.4, 0.6], [-0.8, 0.1, 0.6], [0.1, -1, 0.2]],
-        [1.5, 40.0, 12.0, 3.0],
-        [[0.4, 0.5, 0.7], [4.0, 3.6, 3.0], [1.0, 1.2, 1.5], [0.15, 0.12, 0.1]],
-    ),
-    Suns([[0.3, 0.8, 0.5]], [[0.8, 0.75, 0.6]]),
-)
+# The lights are no sharper than the cube map can resolve, so that the reference is right.
 SCENE = dict(mesh="drape", lights=LIGHTS, size=(56, 42), background=False, shadows="off")
 
 

@@ -14,7 +14,7 @@ from PIL import Image
 import glcloth
 from glcloth.cli import main
 from glcloth.color import view
-from glcloth.errors import InputError
+from glcloth.errors import InputError, NoOpenGLError
 from glcloth.fabric import load_fabric
 from glcloth.scene import Scene
 from glcloth.window import browser, live, show
@@ -174,6 +174,48 @@ def test_show_is_live_in_a_notebook(monkeypatch):
         glcloth.show(mesh="absent.obj")
 
 
+def test_a_view_that_ends_says_why(monkeypatch, capsys):
+    """At once without OpenGL, and later by whatever goes wrong in its thread."""
+
+    def broken(*_):
+        raise NoOpenGLError("no OpenGL\nhere")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(live, "create_context", broken)
+        view = browser.LiveView(Scene(**SMALL))
+        with pytest.raises(NoOpenGLError, match="here"):
+            view.wait()
+    code, answer, _ = Client(view.address).get("picture")
+    assert code == 410 and json.loads(answer)["error"] == "no OpenGL here"
+    view.close()
+    assert not capsys.readouterr().err
+
+    def step(self):  # a picture, and then a fault
+        if self._shown.version:
+            raise ZeroDivisionError("a fault")
+        self._shown = live.Shown(1, b"", False, "")
+
+    monkeypatch.setattr(live.Live, "_step", step)
+    view = browser.LiveView(Scene(**SMALL))
+    view._thread.join(30)
+    code, answer, _ = Client(view.address).get("picture")
+    assert code == 410 and json.loads(answer)["error"] == "a fault"
+    assert "the view has ended: a fault" in capsys.readouterr().err
+    with pytest.raises(InputError, match="a fault"):
+        _ = view.scene
+    view.close()
+
+
+def test_the_first_fabric_can_be_chosen_again():
+    for first in (load_fabric("linen").changed(sigma_deg=17.0), load_fabric("linen").changed(name="velvet"), "linen"):
+        view = live.Live(Scene(**SMALL | {"fabric": first}))
+        name = view.state()["fabric"]
+        view.choose("velvet")
+        assert view.state()["fabric"] == "velvet" and view.session.fabric == load_fabric("velvet")
+        view.choose(name)
+        assert view.session.scene.fabric == first and name in view.state()["fabrics"]
+
+
 def test_the_command_says_what_is_wrong(capsys):
     with pytest.raises(InputError, match="free one"):
         browser.Server(browser.Live(Scene(**SMALL)), 70000)
@@ -182,6 +224,7 @@ def test_the_command_says_what_is_wrong(capsys):
     for words, said in (
         (["--http", str(taken.server_port)], "another port"),
         (["curtain", "--http", "0"], "glcloth animate curtain"),
+        (["--host", "0.0.0.0"], "give --http PORT too"),
         (["--http", "0", "--watch"], "belongs to the window"),
         (["--http", "0", "--device", "77"], "--device 77"),
     ):

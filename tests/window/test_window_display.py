@@ -1,13 +1,24 @@
 """The screen shows what color.py says: the display shader against NumPy over its range, transparency and differences."""
 
+from types import SimpleNamespace
+
 import moderngl
 import numpy as np
 import pytest
 
 from glcloth.color import VIEW_TRANSFORMS, srgb_encode, view
+from glcloth.fabric import load_fabric
+from glcloth.geometry.mesh import Mesh
+from glcloth.gpu.memo import Last
+from glcloth.light.lights import SphericalGaussians
 from glcloth.ocio import OcioView
+from glcloth.picture.renderer import Renderer
+from glcloth.scene import Scene
+from glcloth.window.actions import Actions
+from glcloth.window.drawing import Drawing
 from glcloth.window.pictures import Side
 from glcloth.window.screen import Look, Screen
+from glcloth.window.state import Session
 
 
 @pytest.fixture
@@ -99,6 +110,30 @@ def test_what_is_transparent_lies_on_grey(ctx, screen):
     expected = 255 * (0.16 * (1 - cover) + srgb_encode(rgb) * cover)
     assert np.abs(got - expected).max() <= 0.52
     one.texture.release()
+
+
+def test_the_near_view_shows_the_chosen_part_as_the_picture_is_shown(ctx):
+    """Its fabric at its own size, without maps of the garment; through the config's view, where there is one."""
+    pytest.importorskip("PyOpenColorIO")
+    corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], float)
+    parts = [
+        Mesh.from_arrays(corners + n, np.array([[0, 1, 2]]), corners[:, :2], name=name) for n, name in enumerate("ab")
+    ]
+    scene = Scene(fabric="linen", fabrics={"b": "houndstooth"}, uv_scale=3.0, ocio="ocio://default")
+    drawing = Drawing.__new__(Drawing)
+    drawing.ctx, drawing.near, drawing.session, drawing._transforms = ctx, None, Session(scene), Last()
+    frame = Renderer(ctx=ctx).prepare(scene, mesh=parts, lights=SphericalGaussians([(0, 0, 1)], [1.0], [(1, 1, 1)]))
+    drawing.refiner = SimpleNamespace(frames=[frame])
+    for part, fabric in (("", "linen"), ("b", "houndstooth")):
+        drawing.session.choose_part(part)
+        near = drawing.look_near()
+        (cloth,) = near._frame.cloths
+        assert cloth.fabric == load_fabric(fabric) and near._frame.scene.uv_scale == 1.0
+    near.release()
+    looks = []
+    drawing.near = SimpleNamespace(show=lambda *_: None, texture=looks.append, aspect=2.0)
+    Actions.near_picture(SimpleNamespace(_drawing=drawing))
+    assert isinstance(looks[0].view_transform, OcioView)
 
 
 def test_a_difference_is_scaled_and_has_no_view_transform(ctx, screen):

@@ -1,9 +1,12 @@
 """The window's state without a window: history, generated controls, the curve's edits, the eye, sharing."""
 
 import contextlib
+import os
 import shlex
 import subprocess
 import sys
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,8 +19,10 @@ from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh_files import load_mesh
 from glcloth.image import write_image
 from glcloth.methods.registry import METHODS
+from glcloth.picture.cloths import Cloth
+from glcloth.picture.frame import Frame
 from glcloth.scene import CurtainParameters, Scene, View, load_scene, save_scene
-from glcloth.window import curve, orbit, sharing, state
+from glcloth.window import curve, files, orbit, refine, sharing, state
 from glcloth.window.controls import METHOD_FIELDS, controls
 from glcloth.window.slices import Slices
 from glcloth.window.state import Session
@@ -290,12 +295,12 @@ def test_files_are_known_by_what_they_are(tmp_path):
     save_scene(tmp_path / "s.toml", session.scene)
     write_image(tmp_path / "map.exr", np.ones((2, 4, 3), "f4"))
     write_image(tmp_path / "ours.exr", np.ones((2, 4, 3), "f4"), {"scene": {}})
-    for name in ("m.obj", "m.glb", "m.ply", "e.hdr"):
+    for name in ("m.obj", "m.glb", "m.ply", "m.stl", "m.off", "e.hdr"):
         (tmp_path / name).write_bytes(b"x")
     kinds = {p.name: sharing.kind_of(p) for p in tmp_path.iterdir()}
     assert kinds == {
         "f.toml": "fabric", "s.toml": "scene", "map.exr": "env", "ours.exr": "scene",
-        "m.obj": "mesh", "m.glb": "mesh", "m.ply": "mesh", "e.hdr": "env",
+        "m.obj": "mesh", "m.glb": "mesh", "m.ply": "mesh", "m.stl": "mesh", "m.off": "mesh", "e.hdr": "env",
     }  # fmt: skip
     (tmp_path / "bad.toml").write_text("= 1")
     (tmp_path / "a.txt").write_text("a")
@@ -367,3 +372,46 @@ def test_the_answer_to_an_edit_is_shown_before_anything_else_is_drawn():
     plan._begin(1)
     assert plan.work(1e9) and plan.drawn == ("placed", "answer")
     assert plan.work(1e9) and plan.drawn[2:] == ("half", "full") and plan.idle
+
+
+def test_watched_files_are_read_again_whichever_part_is_chosen(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("base", "part"):
+        save_fabric(f"{name}.toml", load_fabric("linen").changed(name=name))
+    for name in ("roses.png", "holes.png", "two.obj"):
+        (tmp_path / name).write_text("")
+    maps = {"print": "roses.png", "opacities": {"b": "holes.png"}}
+    session = Session(Scene(fabric="base.toml", fabrics={"b": "part.toml"}, mesh="two.obj", **maps))
+    session.choose_part("b")
+    session.edit_yarn(0, gamma_s_deg=7.0)
+    seen = []
+    actions = SimpleNamespace(session=session, attempt=lambda act, *what: act(*what))
+    actions.look_again = lambda anew=False: seen.append(anew)
+    watcher = files.Files(actions, SimpleNamespace(every=lambda *_: True), watch=True)
+    watcher.watch()
+    assert not seen
+
+    def write(name, **changes):
+        if changes:
+            save_fabric(name, load_fabric(name).changed(**changes))
+        os.utime(name, (1, 1))
+        watcher.watch()
+        found = seen.copy()
+        seen.clear()
+        return found
+
+    for name in ("roses.png", "holes.png", "two.obj"):
+        assert write(name) == [False]
+    assert True in write("base.toml", sigma_deg=11.0)
+    assert session.resolve(session.scene.fabric).sigma_deg == 11.0 and session.fabric.yarn[0].gamma_s_deg == 7.0
+    assert True in write("part.toml", sigma_deg=12.0)
+    assert session.fabric == load_fabric("part.toml") and session.can_undo
+
+
+def test_another_print_is_another_picture():
+    """The scene is equal where its file has changed."""
+    cloth = Cloth(load_mesh("plane"), load_fabric("linen"))
+    frame = Frame(Scene(), (cloth,), None, None, None, None)
+    assert refine._same_light(frame, frame)
+    for change in ({"print": object()}, {"opacity": object()}):
+        assert not refine._same_light(replace(frame, cloths=(replace(cloth, **change),)), frame)

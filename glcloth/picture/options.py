@@ -1,0 +1,94 @@
+"""A scene with other values, as options say them: those of the command line, and of a sweep."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from ..fields import entries
+from ..scene import MAPS, CurtainParameters, OpacityMap, PrintMap, Scene, View
+
+LOOK = ("repeat", "unit", "space")  # how a map lies, each an option of its own behind the map's
+OPTIONS = frozenset(e.name for model in (Scene, View, CurtainParameters) for e in entries(model) if e.option) | {
+    f"{field}_{name}"
+    for field, model in (("print", PrintMap), ("opacity", OpacityMap))
+    for name in LOOK
+    if name in model.model_fields
+}
+SEVERAL = frozenset(e.name for e in entries(Scene) if e.option and e.repeat)  # in lists
+
+
+def with_options(scene: Scene, changes: dict[str, Any]) -> Scene:
+    """A scene with the values of some of OPTIONS, and of other fields of a scene; those of SEVERAL are lists of words. Raises
+    InputError."""
+    changes = dict(changes)
+    changes |= _fabrics(changes.pop("fabric", []), scene)
+    for field in MAPS:
+        changes |= _maps(field, changes, scene)
+    table = {key: changes.pop(key) for key in CurtainParameters.model_fields if key in changes}
+    if table and scene.curtain is None:
+        raise InputError(f"--{next(iter(table))}: belongs to the curtain; give its scene: glcloth render curtain")
+    if table:
+        assert scene.curtain is not None
+        changes["curtain"] = scene.curtain.changed(**table)
+    look = {key: changes.pop(key) for key in View.model_fields if key in changes}
+    if look:
+        changes["camera"] = _looked(scene, look)
+    return scene.changed(**changes) if changes else scene
+
+
+def _looked(scene: Scene, look: dict[str, Any]) -> View:
+    """A camera with the options that were given: a view by name takes the place of the scene's own place, and a bookmark is a
+    whole camera."""
+    camera = scene.camera
+    if (marked := scene.bookmark(look.get("view", ""))) is not None:
+        camera = marked
+        look = {name: value for name, value in look.items() if name != "view"}
+    if "fov_deg" in look and "ortho" in look:
+        raise InputError("--fov, --ortho: an angle of view or parallel rays; give one of them")
+    gone = (
+        {"eye", "target", "up", "focus"} if "view" in look else {"view"} if {"eye", "target"} <= look.keys() else set()
+    )
+    gone |= {"ortho"} if "fov_deg" in look else {"fov_deg"} if "ortho" in look else set()
+    kept = {name: getattr(camera, name) for name in camera.model_fields_set - gone}
+    return type(camera).parse({**kept, **look})
+
+
+def _of_parts(option: str, given: list[str], example: str) -> tuple[str | None, dict[str, str]]:
+    """The values of an option that takes VALUE and PART=VALUE; a file with an = in its name is itself."""
+    parts = [text.partition("=") for text in given if "=" in text and not Path(text).is_file()]
+    plain = [text for text in given if "=" not in text or Path(text).is_file()]
+    if len(set(plain)) > 1:
+        raise InputError(
+            f"--{option} {plain[0]} --{option} {plain[1]}: expected one for all cloth; for a part say PART={plain[1]}"
+        )
+    for part, _, value in parts:
+        if not part or not value:
+            raise InputError(f"--{option} {part}={value}: expected PART={option.upper()}, such as {example}")
+    return plain[0] if plain else None, {part: value for part, _, value in parts}
+
+
+def _fabrics(given: list[str], scene: Scene) -> dict[str, Any]:
+    """The fields that FABRIC and PART=FABRIC change."""
+    of_all, of_parts = _of_parts("fabric", given, "Lining=voile")
+    changes: dict[str, Any] = {} if of_all is None else {"fabric": of_all}
+    return changes | ({"fabrics": {**scene.fabrics, **of_parts}} if of_parts else {})
+
+
+def _maps(field: str, changes: dict[str, Any], scene: Scene) -> dict[str, Any]:
+    """The fields that FILE and PART=FILE of a map of the cloth change; the other options of that map, which are taken out of
+    `changes`, are those of all these files, or of the scene's own."""
+    given = changes.pop(field, [])
+    look = {name: changes.pop(f"{field}_{name}") for name in LOOK if f"{field}_{name}" in changes}
+    of_all, of_parts = _of_parts(field, given, "Skirt=roses.png")
+    own = getattr(scene, field)
+    out: dict[str, Any] = {} if of_all is None else {field: {"file": of_all, **look}}
+    if of_parts:
+        named = {part: {"file": file, **look} for part, file in of_parts.items()}
+        out[MAPS[field]] = {**getattr(scene, MAPS[field]), **named}
+    if look and not out:
+        if own is None:
+            raise InputError(f"--{field}-{next(iter(look))}: there is no {field}; give --{field} FILE too")
+        out[field] = own.changed(**look)
+    return out
