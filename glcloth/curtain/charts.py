@@ -20,6 +20,7 @@ CELL = 0.15  # m, the side of an element
 PATCH = 3.3  # sides of an element: the side of a patch
 ELEMENTS = 5000.0  # about so many of them in a room, however large
 MOST = 32_000_000  # elements times patches: their factors take four bytes each
+NO_AREA = 1e-12  # m^2: less than this is rounding
 OPEN = 0.35  # the share of its hemisphere that an element must see, or it lies under or within other things
 
 
@@ -126,10 +127,12 @@ def make_charts(positions: np.ndarray, cell: float | None = None) -> Charts:
 
     cell : m, the side of an element; default: 0.15, or more in large rooms and rooms of very many parts
 
-    Raises InputError for more triangles than can be lit.
+    Raises InputError for more triangles than can be lit, and where none has an area.
     """
     positions = np.asarray(positions, float)
     shapes, chart_of = _parallelograms(positions)
+    if not shapes:
+        raise InputError("room: no triangle has an area; mend it, or take --gi off")
     area = sum(np.linalg.norm(np.cross(u, v)) * (0.5 if half else 1.0) for _, u, v, half, _ in shapes)
     side = cell or max(CELL, (area / ELEMENTS) ** 0.5)
     while True:
@@ -155,7 +158,8 @@ def _parallelograms(positions: np.ndarray) -> tuple[list, np.ndarray]:
         if pair:
             d = corners[t + 1, 2]
             pair = bool(np.abs(a + d - b - c).max() < 1e-4 * np.abs(d - a).max())
-        if pair or np.linalg.norm(np.cross(c - a, b - a)) > 1e-12:
+        # What has no area receives nothing, and no ray meets it.
+        if np.linalg.norm(np.cross(c - a, b - a)) > NO_AREA:
             chart_of[t : t + 1 + pair] = len(shapes)
             shapes.append((a, c - a, b - a, not pair, t))
         t += 1 + pair

@@ -94,6 +94,23 @@ def test_lone_triangles_make_a_room_too(ctx):
     assert source.max() < N
 
 
+def test_what_has_no_area_is_no_part_of_a_room(ctx):
+    """A quad that is a line, one that is a point and a lone line among others change nothing; a room of such alone is
+    refused."""
+    quads = inside_out(box("grey", (0, 0, 0), (2, 1.5, 1)))
+    line = np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 0]], float)
+    plain = triangles_of(quads)
+    flat = triangles_of([*quads[:3], ("grey", line), ("grey", 0 * line + 0.5), *quads[3:]])
+    flat = np.concatenate([flat, np.linspace(0, 1, 9).reshape(1, 3, 3)[:, :, [0, 0, 0]].astype("f4")])
+    charts = make_charts(flat, 0.3)
+    for name in ("origin", "u", "v", "positions", "patches"):
+        np.testing.assert_array_equal(getattr(charts, name), getattr(make_charts(plain, 0.3), name))
+    assert np.isfinite(charts.records()).all()
+    np.testing.assert_array_equal(factors_of(ctx, flat, 0.3).factors, factors_of(ctx, plain, 0.3).factors)
+    with pytest.raises(InputError, match="no triangle has an area"):
+        make_charts(flat[6:10])
+
+
 def test_too_many_parts_are_refused(monkeypatch):
     """A room of many separate triangles: the message says how many are taken, and what to do; a little fewer are coarser."""
     from glcloth.curtain import charts
