@@ -31,7 +31,7 @@ class Charts:
     origin, u, v : [C, 3], the parallelogram. cells : [C, 2] int. halves : [C] bool, lone triangles
     chart_of : [T] int, of each triangle of the room
     positions, normals, sides_u, sides_v : [N, 3], middle, unit normal and sides of each element
-    area : [N] m^2; patch_of : [N] int; element_chart : [N] int; element_cell : [N, 2] int
+    area : [N] m^2; patch_of : [N] int; element_chart : [N] int
     patches : [P, 4, 3] corners, counter-clockwise from the front; patch_triangle : [P] int, a triangle that it lies on
     """
 
@@ -48,7 +48,6 @@ class Charts:
     area: np.ndarray
     patch_of: np.ndarray
     element_chart: np.ndarray
-    element_cell: np.ndarray
     patches: np.ndarray
     patch_triangle: np.ndarray
 
@@ -170,7 +169,7 @@ def _divided(shapes: list, chart_of: np.ndarray, side: float) -> Charts:
     """Cut each chart into elements and patches."""
     parts = [(_half if half else _whole)(np.linalg.norm(u), np.linalg.norm(v), np.linalg.norm(v - u), side)
              for _, u, v, half, _ in shapes]  # fmt: skip
-    columns: dict[str, list] = {name: [] for name in ("X", "N", "U", "V", "area", "patch", "chart", "cell")}
+    columns: dict[str, list] = {name: [] for name in ("X", "N", "U", "V", "area", "patch", "chart")}
     patches, patch_triangle = [], []
     for k, ((a, u, v, _, triangle), (cells, middles, share, patch, corners)) in enumerate(
         zip(shapes, parts, strict=True)
@@ -184,13 +183,12 @@ def _divided(shapes: list, chart_of: np.ndarray, side: float) -> Charts:
         columns["area"].append(np.linalg.norm(normal) / (cells[0] * cells[1]) * share)
         columns["patch"].append(patch + len(patches))
         columns["chart"].append(np.full(count, k))
-        columns["cell"].append(np.floor(middles * cells).astype(int))
         patches += list(a + corners[..., :1] * u + corners[..., 1:] * v)
         patch_triangle += [triangle] * len(corners)
-    X, N, U, V, area, patch, chart, cell = (np.concatenate(values) for values in columns.values())
+    X, N, U, V, area, patch, chart = (np.concatenate(values) for values in columns.values())
     return Charts(
         np.array([s[0] for s in shapes]), np.array([s[1] for s in shapes]), np.array([s[2] for s in shapes]),
-        np.array([p[0] for p in parts]), np.array([s[3] for s in shapes]), chart_of, X, N, U, V, area, patch, chart, cell,
+        np.array([p[0] for p in parts]), np.array([s[3] for s in shapes]), chart_of, X, N, U, V, area, patch, chart,
         np.array(patches), np.array(patch_triangle),
     )  # fmt: skip
 

@@ -64,11 +64,6 @@ class Radiosity:
 
     # -- once for a room -----------------------------------------------------------------------------------------
 
-    @property
-    def is_ready(self) -> bool:
-        """Whether the form factors are there."""
-        return self._factors is not None
-
     def prepare(self) -> Iterator[None]:
         """Find the form factors, if they are not known yet, in steps."""
         if self._factors is None:
@@ -248,7 +243,7 @@ class Radiosity:
         chosen = np.concatenate(self._cell_triangles)
         fabric = shot.fabric.model_dump_json()
         folds = self._folds.get(lambda: self.cloth.folds(inputs, chosen), fabric, lamp.position, lamp.intensity)
-        sky = self._sky.get(lambda: self._sky_light(shot, folds), folds, shot.environment, shot.env_rotate)
+        sky = self._sky.get(lambda: self._sky_light(shot, folds), folds, shot.environment, shot.env_rotate, shot.lighting.background)
         self._system.get(lambda: self._solve_system(folds, sky), folds, sky)
         self._put("chosen", (first + chosen).astype(np.uint32), "r32ui")
         b, passes = self._buffers, programs(self.ctx)

@@ -241,6 +241,19 @@ def test_colours_bleed(as_it_was):
     assert np.isfinite(plain).all() and plain.min() >= 0
 
 
+def test_a_background_is_a_sky_too(as_it_was):
+    """Without a map the light that the sky sends is the background's, and follows it."""
+    show = as_it_was
+    show.build()
+    shot, light = show.shot(), []
+    for background in ((1.0, 1.0, 1.0), (3.0, 1.0, 0.5)):
+        lighting = dataclasses.replace(shot.lighting, background=background)
+        show.lit(dataclasses.replace(shot, environment=None, lighting=lighting))
+        light.append(show.radiosity.irradiance().mean(0))
+    ratio = light[1] / light[0]
+    assert ratio[0] > 1.3 and ratio[1] == pytest.approx(1) and ratio[2] < 0.9
+
+
 @pytest.mark.parametrize(("fabric", "least"), [("sheer_voile", 0.3), ("blackout", 0.0)])
 def test_no_light_is_gained(as_it_was, fabric, least):
     """The curtain as a sheet passes and scatters at most what comes; blackout lets nothing through."""
