@@ -20,6 +20,7 @@ CELL = 0.15  # m, the side of an element
 PATCH = 3.3  # sides of an element: the side of a patch
 ELEMENTS = 5000.0  # about so many of them in a room, however large
 MOST = 32_000_000  # elements times patches: their factors take four bytes each
+MOST_PATCHES = 4000  # what each sends to each is solved for: a matrix as large as their square
 NO_AREA = 1e-12  # m^2: less than this is rounding
 OPEN = 0.35  # the share of its hemisphere that an element must see, or it lies under or within other things
 
@@ -121,34 +122,37 @@ class Charts:
         return start + j * nu - j * (j - 1) // 2 + i
 
 
-def make_charts(positions: np.ndarray, cell: float | None = None) -> Charts:
+def make_charts(positions: np.ndarray, cell: float | None = None, material: np.ndarray | int = 0) -> Charts:
     """The charts of triangles [T, 3, 3], their fronts in front.
 
     cell : m, the side of an element; default: 0.15, or more in large rooms and rooms of very many parts
+    material : [T] int, or one for all: a chart has one
 
     Raises InputError for more triangles than can be lit, and where none has an area.
     """
     positions = np.asarray(positions, float)
-    shapes, chart_of = _parallelograms(positions)
+    shapes, chart_of = _parallelograms(positions, np.broadcast_to(material, len(positions)))
     if not shapes:
         raise InputError("room: no triangle has an area; mend it, or take --gi off")
     area = sum(np.linalg.norm(np.cross(u, v)) * (0.5 if half else 1.0) for _, u, v, half, _ in shapes)
     side = cell or max(CELL, (area / ELEMENTS) ** 0.5)
     while True:
         charts = _divided(shapes, chart_of, side)
-        if len(charts.positions) * len(charts.patches) <= MOST:
+        if len(charts.positions) * len(charts.patches) <= MOST and len(charts.patches) <= MOST_PATCHES:
             return charts
-        if len(shapes) ** 2 > MOST:
+        # A part is one patch at least.
+        most = min(int(MOST**0.5), MOST_PATCHES)
+        if len(shapes) > most:
             raise InputError(
                 f"room: {len(positions)} triangles in {len(shapes)} parts, too many for --gi radiosity (at most "
-                f"{int(MOST**0.5)}); simplify it, or take --gi off"
+                f"{most}); simplify it, or take --gi off"
             )
         side *= 1.25
 
 
-def _parallelograms(positions: np.ndarray) -> tuple[list, np.ndarray]:
+def _parallelograms(positions: np.ndarray, material: np.ndarray) -> tuple[list, np.ndarray]:
     """(origin, u, v, half, first triangle) of each chart, and the chart of each triangle."""
-    turn, joined = find_pairs(positions.astype(np.float32), np.zeros(len(positions), int))
+    turn, joined = find_pairs(positions.astype(np.float32), material)
     corners = rotated_corners(positions, turn)
     shapes, chart_of, t = [], np.zeros(len(positions), int), 0
     while t < len(positions):

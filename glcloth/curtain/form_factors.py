@@ -99,8 +99,10 @@ class FormFactors:
         return shares[:P].sum(0) + shares[len(shares) - W :].sum(0)
 
 
-def facing_the_room(positions: np.ndarray, structure: Structure, ctx: moderngl.Context) -> np.ndarray:
-    """Triangles [T, 3, 3], turned over where their front sees nothing of the room but their back does."""
+def facing_the_room(
+    positions: np.ndarray, structure: Structure, ctx: moderngl.Context, material: np.ndarray
+) -> np.ndarray:
+    """Triangles [T, 3, 3] of materials [T], turned over where their front sees nothing of the room but their back does."""
     u = _points(32)
     z = cosine_direction(u)
     normal = np.cross(positions[:, 1] - positions[:, 0], positions[:, 2] - positions[:, 0]).astype(float)
@@ -116,7 +118,7 @@ def facing_the_room(positions: np.ndarray, structure: Structure, ctx: moderngl.C
     queries.release()
     # What is near is the inside of a thing, such as of a window's frame, whose outer face sees the sky alone.
     over = (seen[0][0] < 0.1) & (seen[1][0] > 0.5) & (seen[1][1] > 0.1 * 1e4 * offset)
-    joined = np.flatnonzero(find_pairs(positions, np.zeros(len(positions), int))[1])
+    joined = np.flatnonzero(find_pairs(positions, material)[1])
     over[joined + 1] = over[joined]
     return np.where(over[:, None, None], positions[:, ::-1], positions)
 
@@ -184,14 +186,20 @@ def _about(normals: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def factor_steps(
-    ctx: moderngl.Context, positions: np.ndarray, structure: Structure, sheet: Sheet, cell: float | None = None
+    ctx: moderngl.Context,
+    positions: np.ndarray,
+    structure: Structure,
+    sheet: Sheet,
+    cell: float | None = None,
+    material: np.ndarray | int = 0,
 ) -> Iterator[float | FormFactors]:
     """Find the form factors of a room [T, 3, 3], from the cache or anew: yields the share that is done, at last them.
 
-    structure : of the room's triangles. cell : as for `make_charts`. Raises InputError as that does.
+    structure : of the room's triangles. cell, material : as for `make_charts`. Raises InputError as that does.
     """
-    positions = facing_the_room(positions, structure, ctx)
-    charts = make_charts(positions, cell)
+    material = np.broadcast_to(material, len(positions))
+    positions = facing_the_room(positions, structure, ctx, material)
+    charts = make_charts(positions, cell, material)
     low, high = positions.reshape(-1, 3).min(0).astype(float), positions.reshape(-1, 3).max(0).astype(float)
     openings = find_openings(charts, low, high, structure, ctx)
     key = hashlib.sha256(repr((FORMAT, sheet, cell, PROXIES, AZIMUTHS_DEG)).encode())

@@ -67,7 +67,10 @@ class Radiosity:
     def prepare(self) -> Iterator[None]:
         """Find the form factors, if they are not known yet, in steps."""
         if self._factors is None:
-            for made in factor_steps(self.ctx, self.room.positions, self._room_structure, self.cloth.sheet):
+            room, sheet = self.room, self.cloth.sheet
+            for made in factor_steps(
+                self.ctx, room.positions, self._room_structure, sheet, material=room.material
+            ):
                 if isinstance(made, FormFactors):
                     self._factors = made
                     self._upload_static()

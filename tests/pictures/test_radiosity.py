@@ -125,6 +125,30 @@ def test_too_many_parts_are_refused(monkeypatch):
         make_charts(loose)
 
 
+def test_patches_are_bounded_too(monkeypatch):
+    """Their matrix grows with the square: a room with more has larger ones, as long as a part has one."""
+    from glcloth.curtain import charts
+
+    room = triangles_of(inside_out(box("grey", (0, 0, 0), (2, 1.5, 1))))
+    fine = make_charts(room)
+    monkeypatch.setattr(charts, "MOST_PATCHES", 12)
+    assert 6 <= len(make_charts(room).patches) <= 12 < len(fine.patches)
+    monkeypatch.setattr(charts, "MOST_PATCHES", 5)
+    with pytest.raises(InputError, match=r"6 parts.*at most 5.*--gi off"):
+        make_charts(room)
+
+
+def test_a_part_has_one_material():
+    """Two triangles of a parallelogram that reflect differently are two parts, with their own colours."""
+    room = triangles_of(inside_out(box("grey", (0, 0, 0), (2, 1.5, 1))))
+    material = np.zeros(len(room), int)
+    material[[1, 4, 5]] = 1, 2, 2
+    charts = make_charts(room, None, material)
+    assert charts.halves.sum() == 2 and len(charts.u) == 7
+    assert charts.chart_of[0] != charts.chart_of[1] and charts.chart_of[4] == charts.chart_of[5]
+    np.testing.assert_array_equal(material[charts.patch_triangle[charts.patch_of]][charts.element_chart == 1], 1)
+
+
 def test_factors_are_kept_on_disk(ctx, monkeypatch):
     """The second time nothing is computed; a file that is damaged is made anew."""
     from glcloth.curtain import form_factors
