@@ -5,10 +5,11 @@ of the openings through which the sky shines in. They depend on the room's shape
 from __future__ import annotations
 
 import hashlib
-import zipfile
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 
 import moderngl
 import numpy as np
@@ -16,6 +17,7 @@ import numpy as np
 from ..accel.queries import RayQueries
 from ..accel.structure import Structure, tracing
 from ..accel.triangles import find_pairs
+from ..errors import InputError
 from ..files import atomic_write, cache_dir
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
@@ -206,24 +208,33 @@ def factor_steps(
     for array in (positions, charts.patches, openings):
         key.update(np.ascontiguousarray(array).tobytes())
     path = cache_dir() / "factors" / f"{key.hexdigest()[:32]}.npz"
-    factors = _read(path)
+    senders = len(charts.patches) + len(sheet.cells()) + len(openings)
+    factors = _read(path, (senders, len(charts.positions) + len(sheet.receivers()[0])))
     if factors is None:
         for factors in _compute(ctx, charts, openings, structure, sheet, 1e-4 * float((high - low).max())):
             if isinstance(factors, float):
                 yield factors
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(path) as temporary, open(temporary, "wb") as file:
-            np.savez(file, factors=factors)
+        _keep(path, factors)
     yield FormFactors(charts, sheet, openings, factors)
 
 
-def _read(path) -> np.ndarray | None:
-    """The factors of a file; None where there is none, or it is damaged."""
+def _read(path: Path, shape: tuple[int, int]) -> np.ndarray | None:
+    """The factors of a file; None where there is none, or it is damaged: a zip archive has a sum over its bytes."""
     try:
         with np.load(path) as file:
-            return file["factors"]
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+            factors = file["factors"]
+    except Exception:  # whatever a damaged file makes NumPy and zipfile raise
         return None
+    good = factors.shape == shape and factors.dtype == np.float32 and np.isfinite(factors).all()
+    return factors if good and np.abs(factors).max(initial=0.0) <= 1.001 else None
+
+
+def _keep(path: Path, factors: np.ndarray) -> None:
+    """Write the factors to a file, where one can be written; else they are found anew the next time."""
+    with suppress(InputError, OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path) as temporary, open(temporary, "wb") as file:
+            np.savez(file, factors=factors)
 
 
 def _compute(

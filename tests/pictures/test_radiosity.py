@@ -1,6 +1,7 @@
 """Light around the curtain's room: form factors against closed forms, bounces against a furnace and photons, pictures."""
 
 import dataclasses
+import pickle
 
 import moderngl
 import numpy as np
@@ -149,19 +150,39 @@ def test_a_part_has_one_material():
     np.testing.assert_array_equal(material[charts.patch_triangle[charts.patch_of]][charts.element_chart == 1], 1)
 
 
-def test_factors_are_kept_on_disk(ctx, monkeypatch):
+def test_factors_are_kept_on_disk(ctx, monkeypatch, tmp_path):
     """The second time nothing is computed; a file that is damaged is made anew."""
     from glcloth.curtain import form_factors
-    from glcloth.files import cache_dir
 
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path))
     positions = triangles_of(inside_out(box("grey", (0, 0, 0), (1.0, 1.25, 1))))
     first = factors_of(ctx, positions, 0.3).factors
     with monkeypatch.context() as patched:
         patched.setattr(form_factors, "_compute", lambda *_: pytest.fail("computed again"))
         np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
-    for path in (cache_dir() / "factors").glob("*.npz"):
-        path.write_bytes(path.read_bytes()[:100])
-    np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
+    (path,) = (tmp_path / "factors").iterdir()
+    whole = path.read_bytes()
+    turned = bytearray(whole)
+    turned[len(whole) // 2] ^= 0x10
+    for damaged in (b"", whole[:100], whole[:-300], bytes(turned), b"PK" + bytes(400), pickle.dumps([1])):
+        path.write_bytes(damaged)
+        np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
+        assert path.read_bytes() == whole
+    for other in ({"factors": first[:-1]}, {"factors": first.astype(float)}, {"factors": first * np.nan}, {"x": first}):
+        np.savez(path, **other)
+        np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(ctx, monkeypatch, tmp_path):
+    """A file where the folder should be, a folder where the file should be, a full disk."""
+    positions = triangles_of(inside_out(box("grey", (0, 0, 0), (1.0, 1.25, 1.1))))
+    (tmp_path / "factors").write_text("a file")
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path))
+    first = factors_of(ctx, positions, 0.4).factors
+    monkeypatch.setattr(np, "savez", lambda *_, **__: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path / "other"))
+    np.testing.assert_array_equal(factors_of(ctx, positions, 0.4).factors, first)
+    assert not list((tmp_path / "other" / "factors").iterdir())
 
 
 @pytest.fixture(scope="module")
