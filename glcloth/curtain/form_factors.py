@@ -19,6 +19,7 @@ from ..accel.structure import Structure, tracing
 from ..accel.triangles import find_pairs
 from ..errors import InputError
 from ..files import atomic_write, cache_dir
+from ..geometry.camera import r2_points
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
 from ..twins.random import cosine_direction
@@ -105,7 +106,7 @@ def facing_the_room(
     positions: np.ndarray, structure: Structure, ctx: moderngl.Context, material: np.ndarray
 ) -> np.ndarray:
     """Triangles [T, 3, 3] of materials [T], turned over where their front sees nothing of the room but their back does."""
-    u = _points(32)
+    u = r2_points(32)
     z = cosine_direction(u)
     normal = np.cross(positions[:, 1] - positions[:, 0], positions[:, 2] - positions[:, 0]).astype(float)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
@@ -129,7 +130,7 @@ def find_openings(
     charts: Charts, low: np.ndarray, high: np.ndarray, structure: Structure, ctx: moderngl.Context
 ) -> np.ndarray:
     """Cells [W, 4, 3] on the room's bounding box that cover where rays of its elements leave it."""
-    d = _about(charts.normals, cosine_direction(_points(8)))
+    d = _about(charts.normals, cosine_direction(r2_points(8)))
     o = np.broadcast_to((charts.positions + 1e-4 * (high - low).max() * charts.normals)[:, None], d.shape).reshape(
         -1, 3
     )
@@ -170,12 +171,6 @@ def _cells(points: np.ndarray, axis: int, side: int, low: np.ndarray, high: np.n
     out[..., axis] = (low, high)[side][axis]
     out[..., u], out[..., v] = np.stack([a_0, a_1, a_1, a_0], 1), np.stack([b_0, b_0, b_1, b_1], 1)
     return out[:, ::-1] if side else out
-
-
-def _points(count: int) -> np.ndarray:
-    """Points [count, 2] of the unit square, evenly spread: the R2 sequence."""
-    g = 1.32471795724474602596
-    return (0.5 + np.arange(count)[:, None] * np.array([1 / g, 1 / g**2])) % 1.0
 
 
 def _about(normals: np.ndarray, z: np.ndarray) -> np.ndarray:
