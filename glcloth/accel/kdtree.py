@@ -115,17 +115,18 @@ class KdTree:
         """
         clock = Stopwatch()
         refs, level_counts = self._capacity["ref"], self._levels
-        fewest = max(FEWEST_LANES, -(-refs // LANE_REFS))
-        self._reserve("lane", LANES_OF_ALL + fewest * (refs // LARGE_REFS + 1))
+        first_lanes = max(min(LANES_OF_ALL, MOST_LANES), -(-pair_count // LANE_REFS))
+        # A level has as many lanes for each node as its largest one needs; where that is more, the buffer grows.
+        self._reserve("lane", max(LANES_OF_ALL + FEWEST_LANES * (refs // LARGE_REFS + 1), first_lanes))
         small = {
             "small_base": 2 * refs,  # where the references of small nodes begin
             "node_capacity": self._capacity["node"],
-            "column_nodes": self._begin_counters(max(min(LANES_OF_ALL, MOST_LANES), fewest)),
+            "column_nodes": self._begin_counters(first_lanes),
         }
         self._run("passes/accel/kdtree_init.comp", pair_count, pair_count=pair_count, padding=padding)
         self._swap_active()
         clock.lap("init")
-        self._split_large(level_counts[0], fewest, padding, small)
+        self._split_large(level_counts[0], padding, small)
         clock.lap("large")
         yield
         clock.resume()
@@ -157,7 +158,7 @@ class KdTree:
         self._counters.write(counters)
         return rows * NODE_GROUP
 
-    def _split_large(self, levels: int, fewest: int, padding: float, small: dict[str, int]) -> None:
+    def _split_large(self, levels: int, padding: float, small: dict[str, int]) -> None:
         """Split the large nodes level by level."""
         refs = self._capacity["ref"]
         for level in range(levels):
@@ -172,8 +173,8 @@ class KdTree:
             )  # fmt: skip
             self._run_counted("passes/accel/kdtree_scatter.comp", "LANE_GROUPS", padding=padding)
             self._run(
-                "passes/accel/kdtree_level.comp", 1, level=level + 1, lanes_of_all=LANES_OF_ALL, fewest_lanes=fewest,
-                most_lanes=MOST_LANES, lane_capacity=self._capacity["lane"],
+                "passes/accel/kdtree_level.comp", 1, level=level + 1, lanes_of_all=LANES_OF_ALL,
+                fewest_lanes=FEWEST_LANES, most_lanes=MOST_LANES, lane_refs=LANE_REFS, lane_capacity=self._capacity["lane"],
             )  # fmt: skip
             self._swap_active()
 

@@ -163,7 +163,7 @@ class Triangles:
 
 def without_lines(positions: np.ndarray) -> np.ndarray:
     """Triangles [T, 3, 3] float32, those without area drawn together to a point: that no ray meets, to the last bit, while
-    rounding lets some meet a line. A height below 1e-6 of the longest side is rounding."""
+    rounding lets some meet a line. A height below 2e-6 of the longest side is rounding."""
     p = positions.astype(np.float64)
     edges = np.roll(p, -1, 1) - p
     longest = np.einsum("tkc,tkc->tk", edges, edges).max(1, initial=0.0)

@@ -20,6 +20,8 @@ CELL = 0.15  # m, the side of an element
 PATCH = 3.3  # sides of an element: the side of a patch
 ELEMENTS = 5000.0  # about so many of them in a room, however large
 MOST = 32_000_000  # elements times patches: their factors take four bytes each
+MOST_PATCHES = 4000  # what each sends to each is solved for: a matrix as large as their square
+NO_AREA = 1e-12  # m^2: less than this is rounding
 OPEN = 0.35  # the share of its hemisphere that an element must see, or it lies under or within other things
 
 
@@ -30,7 +32,7 @@ class Charts:
     origin, u, v : [C, 3], the parallelogram. cells : [C, 2] int. halves : [C] bool, lone triangles
     chart_of : [T] int, of each triangle of the room
     positions, normals, sides_u, sides_v : [N, 3], middle, unit normal and sides of each element
-    area : [N] m^2; patch_of : [N] int; element_chart : [N] int; element_cell : [N, 2] int
+    area : [N] m^2; patch_of : [N] int; element_chart : [N] int
     patches : [P, 4, 3] corners, counter-clockwise from the front; patch_triangle : [P] int, a triangle that it lies on
     """
 
@@ -47,7 +49,6 @@ class Charts:
     area: np.ndarray
     patch_of: np.ndarray
     element_chart: np.ndarray
-    element_cell: np.ndarray
     patches: np.ndarray
     patch_triangle: np.ndarray
 
@@ -121,32 +122,37 @@ class Charts:
         return start + j * nu - j * (j - 1) // 2 + i
 
 
-def make_charts(positions: np.ndarray, cell: float | None = None) -> Charts:
+def make_charts(positions: np.ndarray, cell: float | None = None, material: np.ndarray | int = 0) -> Charts:
     """The charts of triangles [T, 3, 3], their fronts in front.
 
     cell : m, the side of an element; default: 0.15, or more in large rooms and rooms of very many parts
+    material : [T] int, or one for all: a chart has one
 
-    Raises InputError for more triangles than can be lit.
+    Raises InputError for more triangles than can be lit, and where none has an area.
     """
     positions = np.asarray(positions, float)
-    shapes, chart_of = _parallelograms(positions)
+    shapes, chart_of = _parallelograms(positions, np.broadcast_to(material, len(positions)))
+    if not shapes:
+        raise InputError("room: no triangle has an area; mend it, or take --gi off")
     area = sum(np.linalg.norm(np.cross(u, v)) * (0.5 if half else 1.0) for _, u, v, half, _ in shapes)
     side = cell or max(CELL, (area / ELEMENTS) ** 0.5)
     while True:
         charts = _divided(shapes, chart_of, side)
-        if len(charts.positions) * len(charts.patches) <= MOST:
+        if len(charts.positions) * len(charts.patches) <= MOST and len(charts.patches) <= MOST_PATCHES:
             return charts
-        if len(shapes) ** 2 > MOST:
+        # A part is one patch at least.
+        most = min(int(MOST**0.5), MOST_PATCHES)
+        if len(shapes) > most:
             raise InputError(
                 f"room: {len(positions)} triangles in {len(shapes)} parts, too many for --gi radiosity (at most "
-                f"{int(MOST**0.5)}); simplify it, or take --gi off"
+                f"{most}); simplify it, or take --gi off"
             )
         side *= 1.25
 
 
-def _parallelograms(positions: np.ndarray) -> tuple[list, np.ndarray]:
+def _parallelograms(positions: np.ndarray, material: np.ndarray) -> tuple[list, np.ndarray]:
     """(origin, u, v, half, first triangle) of each chart, and the chart of each triangle."""
-    turn, joined = find_pairs(positions.astype(np.float32), np.zeros(len(positions), int))
+    turn, joined = find_pairs(positions.astype(np.float32), material)
     corners = rotated_corners(positions, turn)
     shapes, chart_of, t = [], np.zeros(len(positions), int), 0
     while t < len(positions):
@@ -155,7 +161,8 @@ def _parallelograms(positions: np.ndarray) -> tuple[list, np.ndarray]:
         if pair:
             d = corners[t + 1, 2]
             pair = bool(np.abs(a + d - b - c).max() < 1e-4 * np.abs(d - a).max())
-        if pair or np.linalg.norm(np.cross(c - a, b - a)) > 1e-12:
+        # What has no area receives nothing, and no ray meets it.
+        if np.linalg.norm(np.cross(c - a, b - a)) > NO_AREA:
             chart_of[t : t + 1 + pair] = len(shapes)
             shapes.append((a, c - a, b - a, not pair, t))
         t += 1 + pair
@@ -166,7 +173,7 @@ def _divided(shapes: list, chart_of: np.ndarray, side: float) -> Charts:
     """Cut each chart into elements and patches."""
     parts = [(_half if half else _whole)(np.linalg.norm(u), np.linalg.norm(v), np.linalg.norm(v - u), side)
              for _, u, v, half, _ in shapes]  # fmt: skip
-    columns: dict[str, list] = {name: [] for name in ("X", "N", "U", "V", "area", "patch", "chart", "cell")}
+    columns: dict[str, list] = {name: [] for name in ("X", "N", "U", "V", "area", "patch", "chart")}
     patches, patch_triangle = [], []
     for k, ((a, u, v, _, triangle), (cells, middles, share, patch, corners)) in enumerate(
         zip(shapes, parts, strict=True)
@@ -180,13 +187,12 @@ def _divided(shapes: list, chart_of: np.ndarray, side: float) -> Charts:
         columns["area"].append(np.linalg.norm(normal) / (cells[0] * cells[1]) * share)
         columns["patch"].append(patch + len(patches))
         columns["chart"].append(np.full(count, k))
-        columns["cell"].append(np.floor(middles * cells).astype(int))
         patches += list(a + corners[..., :1] * u + corners[..., 1:] * v)
         patch_triangle += [triangle] * len(corners)
-    X, N, U, V, area, patch, chart, cell = (np.concatenate(values) for values in columns.values())
+    X, N, U, V, area, patch, chart = (np.concatenate(values) for values in columns.values())
     return Charts(
         np.array([s[0] for s in shapes]), np.array([s[1] for s in shapes]), np.array([s[2] for s in shapes]),
-        np.array([p[0] for p in parts]), np.array([s[3] for s in shapes]), chart_of, X, N, U, V, area, patch, chart, cell,
+        np.array([p[0] for p in parts]), np.array([s[3] for s in shapes]), chart_of, X, N, U, V, area, patch, chart,
         np.array(patches), np.array(patch_triangle),
     )  # fmt: skip
 

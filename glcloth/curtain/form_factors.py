@@ -5,10 +5,11 @@ of the openings through which the sky shines in. They depend on the room's shape
 from __future__ import annotations
 
 import hashlib
-import zipfile
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 
 import moderngl
 import numpy as np
@@ -16,7 +17,9 @@ import numpy as np
 from ..accel.queries import RayQueries
 from ..accel.structure import Structure, tracing
 from ..accel.triangles import find_pairs
+from ..errors import InputError
 from ..files import atomic_write, cache_dir
+from ..geometry.camera import r2_points
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
 from ..twins.random import cosine_direction
@@ -99,9 +102,11 @@ class FormFactors:
         return shares[:P].sum(0) + shares[len(shares) - W :].sum(0)
 
 
-def facing_the_room(positions: np.ndarray, structure: Structure, ctx: moderngl.Context) -> np.ndarray:
-    """Triangles [T, 3, 3], turned over where their front sees nothing of the room but their back does."""
-    u = _points(32)
+def facing_the_room(
+    positions: np.ndarray, structure: Structure, ctx: moderngl.Context, material: np.ndarray
+) -> np.ndarray:
+    """Triangles [T, 3, 3] of materials [T], turned over where their front sees nothing of the room but their back does."""
+    u = r2_points(32)
     z = cosine_direction(u)
     normal = np.cross(positions[:, 1] - positions[:, 0], positions[:, 2] - positions[:, 0]).astype(float)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
@@ -116,7 +121,7 @@ def facing_the_room(positions: np.ndarray, structure: Structure, ctx: moderngl.C
     queries.release()
     # What is near is the inside of a thing, such as of a window's frame, whose outer face sees the sky alone.
     over = (seen[0][0] < 0.1) & (seen[1][0] > 0.5) & (seen[1][1] > 0.1 * 1e4 * offset)
-    joined = np.flatnonzero(find_pairs(positions, np.zeros(len(positions), int))[1])
+    joined = np.flatnonzero(find_pairs(positions, material)[1])
     over[joined + 1] = over[joined]
     return np.where(over[:, None, None], positions[:, ::-1], positions)
 
@@ -125,7 +130,7 @@ def find_openings(
     charts: Charts, low: np.ndarray, high: np.ndarray, structure: Structure, ctx: moderngl.Context
 ) -> np.ndarray:
     """Cells [W, 4, 3] on the room's bounding box that cover where rays of its elements leave it."""
-    d = _about(charts.normals, cosine_direction(_points(8)))
+    d = _about(charts.normals, cosine_direction(r2_points(8)))
     o = np.broadcast_to((charts.positions + 1e-4 * (high - low).max() * charts.normals)[:, None], d.shape).reshape(
         -1, 3
     )
@@ -168,12 +173,6 @@ def _cells(points: np.ndarray, axis: int, side: int, low: np.ndarray, high: np.n
     return out[:, ::-1] if side else out
 
 
-def _points(count: int) -> np.ndarray:
-    """Points [count, 2] of the unit square, evenly spread: the R2 sequence."""
-    g = 1.32471795724474602596
-    return (0.5 + np.arange(count)[:, None] * np.array([1 / g, 1 / g**2])) % 1.0
-
-
 def _about(normals: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Directions z [K, 3] about +z turned about each normal, [N, K, 3]."""
     other = np.where(np.abs(normals[:, :1]) > 0.7, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0])
@@ -184,38 +183,53 @@ def _about(normals: np.ndarray, z: np.ndarray) -> np.ndarray:
 
 
 def factor_steps(
-    ctx: moderngl.Context, positions: np.ndarray, structure: Structure, sheet: Sheet, cell: float | None = None
+    ctx: moderngl.Context,
+    positions: np.ndarray,
+    structure: Structure,
+    sheet: Sheet,
+    cell: float | None = None,
+    material: np.ndarray | int = 0,
 ) -> Iterator[float | FormFactors]:
     """Find the form factors of a room [T, 3, 3], from the cache or anew: yields the share that is done, at last them.
 
-    structure : of the room's triangles. cell : as for `make_charts`. Raises InputError as that does.
+    structure : of the room's triangles. cell, material : as for `make_charts`. Raises InputError as that does.
     """
-    positions = facing_the_room(positions, structure, ctx)
-    charts = make_charts(positions, cell)
+    material = np.broadcast_to(material, len(positions))
+    positions = facing_the_room(positions, structure, ctx, material)
+    charts = make_charts(positions, cell, material)
     low, high = positions.reshape(-1, 3).min(0).astype(float), positions.reshape(-1, 3).max(0).astype(float)
     openings = find_openings(charts, low, high, structure, ctx)
     key = hashlib.sha256(repr((FORMAT, sheet, cell, PROXIES, AZIMUTHS_DEG)).encode())
     for array in (positions, charts.patches, openings):
         key.update(np.ascontiguousarray(array).tobytes())
     path = cache_dir() / "factors" / f"{key.hexdigest()[:32]}.npz"
-    factors = _read(path)
+    senders = len(charts.patches) + len(sheet.cells()) + len(openings)
+    factors = _read(path, (senders, len(charts.positions) + len(sheet.receivers()[0])))
     if factors is None:
         for factors in _compute(ctx, charts, openings, structure, sheet, 1e-4 * float((high - low).max())):
             if isinstance(factors, float):
                 yield factors
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(path) as temporary, open(temporary, "wb") as file:
-            np.savez(file, factors=factors)
+        _keep(path, factors)
     yield FormFactors(charts, sheet, openings, factors)
 
 
-def _read(path) -> np.ndarray | None:
-    """The factors of a file; None where there is none, or it is damaged."""
+def _read(path: Path, shape: tuple[int, int]) -> np.ndarray | None:
+    """The factors of a file; None where there is none, or it is damaged: a zip archive has a sum over its bytes."""
     try:
         with np.load(path) as file:
-            return file["factors"]
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+            factors = file["factors"]
+    except Exception:  # whatever a damaged file makes NumPy and zipfile raise
         return None
+    good = factors.shape == shape and factors.dtype == np.float32 and np.isfinite(factors).all()
+    return factors if good and np.abs(factors).max(initial=0.0) <= 1.001 else None
+
+
+def _keep(path: Path, factors: np.ndarray) -> None:
+    """Write the factors to a file, where one can be written; else they are found anew the next time."""
+    with suppress(InputError, OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path) as temporary, open(temporary, "wb") as file:
+            np.savez(file, factors=factors)
 
 
 def _compute(

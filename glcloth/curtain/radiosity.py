@@ -64,15 +64,11 @@ class Radiosity:
 
     # -- once for a room -----------------------------------------------------------------------------------------
 
-    @property
-    def is_ready(self) -> bool:
-        """Whether the form factors are there."""
-        return self._factors is not None
-
     def prepare(self) -> Iterator[None]:
         """Find the form factors, if they are not known yet, in steps."""
         if self._factors is None:
-            for made in factor_steps(self.ctx, self.room.positions, self._room_structure, self.cloth.sheet):
+            room, sheet = self.room, self.cloth.sheet
+            for made in factor_steps(self.ctx, room.positions, self._room_structure, sheet, material=room.material):
                 if isinstance(made, FormFactors):
                     self._factors = made
                     self._upload_static()
@@ -248,7 +244,9 @@ class Radiosity:
         chosen = np.concatenate(self._cell_triangles)
         fabric = shot.fabric.model_dump_json()
         folds = self._folds.get(lambda: self.cloth.folds(inputs, chosen), fabric, lamp.position, lamp.intensity)
-        sky = self._sky.get(lambda: self._sky_light(shot, folds), folds, shot.environment, shot.env_rotate)
+        sky = self._sky.get(
+            lambda: self._sky_light(shot, folds), folds, shot.environment, shot.env_rotate, shot.lighting.background
+        )
         self._system.get(lambda: self._solve_system(folds, sky), folds, sky)
         self._put("chosen", (first + chosen).astype(np.uint32), "r32ui")
         b, passes = self._buffers, programs(self.ctx)

@@ -168,15 +168,18 @@ def _over_picture(across, along, middle, size: tuple[int, int], offset) -> np.nd
     return np.stack([2 * across / size[0], 2 * along / size[1], corner], axis=1)
 
 
-def sample_offsets(spp: int) -> list[tuple[float, float]]:
-    """Where in the pixel the samples lie, relative to its centre: the R2 sequence, one sample at the centre.
+def r2_points(count: int) -> np.ndarray:
+    """Points [count, 2] of the unit square, the R2 sequence.
 
     Roberts 2018, "The unreasonable effectiveness of quasirandom sequences": evenly spread for any number of samples.
     """
-    if spp == 1:
-        return [(0.0, 0.0)]
     g = 1.32471795724474602596
-    return [(float((0.5 + n / g) % 1.0 - 0.5), float((0.5 + n / g**2) % 1.0 - 0.5)) for n in range(spp)]
+    return (0.5 + np.arange(count)[:, None] / np.array([g, g**2])) % 1.0
+
+
+def sample_offsets(spp: int) -> list[tuple[float, float]]:
+    """Where in the pixel the samples lie, relative to its centre: the R2 sequence, one sample at the centre."""
+    return [(0.0, 0.0)] if spp == 1 else [(float(x - 0.5), float(y - 0.5)) for x, y in r2_points(spp)]
 
 
 def lens_points(spp: int) -> list[tuple[float, float]]:

@@ -13,13 +13,18 @@ from ..twins.sheet import R_sheet, T_lambert, T_sheet, T_straight
 
 
 @lru_cache(maxsize=2)
-def hemisphere(rings: int = 16, sectors: int = 24) -> tuple[np.ndarray, np.ndarray]:
-    """Directions [N, 3] about +z and weights [N] for integrals of f cos(theta) over the hemisphere."""
+def hemisphere(rings: int = 24, sectors: int = 36) -> tuple[np.ndarray, np.ndarray]:
+    """Directions [N, 3] about +z and weights [N] for integrals of f cos(theta) over the hemisphere.
+
+    Evenly over z: what microcylinders reflect does not vanish at the horizon, and f cos / cos over sin^2 would rise there
+    without end (up to 4 % less light of 16 rings).
+    """
     x, w = np.polynomial.legendre.leggauss(rings)
-    sin2 = np.repeat((x + 1) / 2, sectors)
+    z = np.repeat((x + 1) / 2, sectors)
     phi = np.tile((np.arange(sectors) + 0.5) * (2 * np.pi / sectors), rings)
-    directions = np.stack([np.sqrt(sin2) * np.cos(phi), np.sqrt(sin2) * np.sin(phi), np.sqrt(1 - sin2)], -1)
-    return directions, np.repeat(w / 2 * np.pi / sectors, sectors)
+    r = np.sqrt(1 - z**2)
+    directions = np.stack([r * np.cos(phi), r * np.sin(phi), z], -1)
+    return directions, np.repeat(w * np.pi / sectors, sectors) * z
 
 
 def directional_albedo(fabric: Fabric, omega_o: np.ndarray) -> np.ndarray:

@@ -21,7 +21,7 @@ class TraceSettings:
 
     depth : generations of rays, 1 to 8 (the paper's level 4). spp : samples per pixel. spread : draw transmitted
     directions from the fabric's lobes, so that the view through the yarns blurs (needs many samples) instead of going
-    straight on. cutoff : rays that count for less are not followed. accelerator : kdtree, lbvh or brute.
+    straight on. cutoff : rays that count for less are not followed. accelerator : kdtree, kdtree_median, lbvh or brute.
     """
 
     depth: int = 4

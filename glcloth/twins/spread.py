@@ -2,13 +2,9 @@
 
 import numpy as np
 
+from .math import largest
 from .random import cosine_direction, facet_direction
 from .sheet import T_open, absorption
-
-
-def largest(v):
-    """The largest component of v [..., 3].   [own]"""
-    return np.asarray(v, float).max(-1)
 
 
 def straight_parts(omega_o, k_a, k_t, tau, rho):

@@ -15,6 +15,7 @@ const int NEED_LEAF_REFS = 10;
 const int ACTIVE_NOW = 11;       // large nodes of this level,
 const int LANES_NOW = 12;        // and the invocations that share each
 const int LARGE_USED = 13;       // levels that had large nodes
+const int ACTIVE_MOST = 14;      // references of the largest node of the next level
 const int ROOT_BOX = 16;         // six floats, when the tree is written
 // Work groups along x, y and z of the passes that are dispatched by them.
 const int LANE_GROUPS = 24;      // of measure and scatter

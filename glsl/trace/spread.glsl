@@ -4,9 +4,6 @@
 #include "trace/random.glsl"
 #include "woven/sheet.glsl"
 
-// [own]  The largest component.
-float largest(vec3 v) { return max(v.r, max(v.g, v.b)); }
-
 // [own]  Light that passes straight on: (through the yarns, through the holes); their sum is T_sheet.
 vec4 straight_parts(vec3 omega_o, float k_a, float k_t, vec3 tau, float rho) {
     float open = T_open(omega_o, rho);

@@ -51,6 +51,7 @@ SPECIAL = {
     ("with_mean", "mean"): lambda rng, count: rng.uniform(0.0, 2.0, (count, 4)),
     ("with_mean", "wanted"): between(0.2, 2.0),
     ("facing_normal", "least"): between(0.02, 0.1),
+    ("largest", "v"): vectors(1.0),
     ("pow5", "x"): between(-2.0, 2.0, 0.0, 1.0),
     ("orthogonal_part", "v"): vectors(1.0),
     ("mirrored_direction", "d"): directions,

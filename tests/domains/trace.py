@@ -104,7 +104,6 @@ SPECIAL = {
     ("cosine_direction", "u"): lambda rng, count: rng.random((count, 2)),
     ("facet_direction", "u"): lambda rng, count: 0.999 * rng.random((count, 2)),
     ("facet_direction", "roughness"): between(0.05, 1.0),
-    ("largest", "v"): vectors(1.0),
     **{(name, "parts"): straight_parts for name in ("hole_chance", "drawn_weight")},
     ("drawn_weight", "hole"): choice(0, 1),
     **{(name, "omega_o"): woven.off_horizon(above_horizon) for name in ("straight_parts", "yarn_direction")},

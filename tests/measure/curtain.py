@@ -5,6 +5,7 @@ python tests/measure/curtain.py cost      SAH cost of eleven frames against an e
 python tests/measure/curtain.py growth [N]    whole frames at 12786, 50000 and 200000 triangles for every structure
 python tests/measure/curtain.py strain    the longest threads of 126 frames, for every fabric
 python tests/measure/curtain.py light     the total transmittance of every fabric against its openness
+python tests/measure/curtain.py albedo    the albedo of four fabrics by coarser quadratures against 432,000 directions
 python tests/measure/curtain.py series FILE.png    the curtain over roughness, tau and openness
 """
 
@@ -27,6 +28,7 @@ from glcloth.image import write_image
 from glcloth.scene import CurtainParameters, Scene
 from glcloth.twins import kdtree as exact
 from glcloth.twins import sheet
+from glcloth.twins.cloth import f_cloth
 
 FABRICS = ("sheer_voile", "lace", "linen_curtain", "blackout")
 RAYS = 100_000
@@ -170,6 +172,41 @@ def light(ctx):
             common.row(name, degrees, *(c if isinstance(c, str) else f"{c:.3f}" for c in cells))
 
 
+def albedo(ctx):
+    """Error of the albedo, of four directions and three channels, by Gauss-Legendre over z and over sin^2; in %."""
+    common.head("fabric", "rings x sectors", "over", "mean", "worst")
+    for name in ("sheer_voile", "linen_curtain", "linen", "silk_crepe_de_chine"):
+        arrays = load_fabric(name).arrays()
+        seen = [sheet_direction(*angles) for angles in ((4, 0), (25, 90), (62, 45), (76, 45))]
+        exact = []
+        for o in seen:
+            rows = []
+            for z in ((np.arange(600) + 0.5) / 600).reshape(6, 100):
+                d = ring_directions(np.repeat(z, 720), np.tile((np.arange(720) + 0.5) / 720, 100))
+                rows.append(2 * np.pi * f_cloth(d, o[None], *arrays).mean(0))
+            exact.append(np.mean(rows, 0))
+        for rings, sectors in ((16, 24), (24, 36), (32, 64)):
+            x, w = np.polynomial.legendre.leggauss(rings)
+            x, w = np.repeat((x + 1) / 2, sectors), np.repeat(w / 2, sectors) * 2 * np.pi / sectors
+            turn = np.tile((np.arange(sectors) + 0.5) / sectors, rings)
+            for over, z, weight in (("z", x, w), ("sin^2", np.sqrt(1 - x), w / 2 / np.sqrt(1 - x))):
+                d = ring_directions(z, turn)
+                found = [(f_cloth(d, o[None], *arrays) * weight[:, None]).sum(0) for o in seen]
+                error = 100 * (np.array(found) / exact - 1)
+                common.row(name, f"{rings} x {sectors}", over, f"{error.mean():+.2f}", f"{np.abs(error).max():.2f}")
+
+
+def sheet_direction(theta, phi):
+    """Of angles in degrees from N and about it."""
+    return ring_directions(np.cos(np.radians(theta)), phi / 360)
+
+
+def ring_directions(z, turn):
+    """Unit vectors [..., 3] of height z, turned by so many turns about it."""
+    r = np.sqrt(1 - z * z)
+    return np.stack([r * np.cos(2 * np.pi * turn), r * np.sin(2 * np.pi * turn), z], -1)
+
+
 def series(ctx, path):
     """Three rows: roughness, tau and openness of sheer_voile, from low to high."""
     rows = []
@@ -192,7 +229,7 @@ def series(ctx, path):
 
 
 if __name__ == "__main__":
-    commands = {f.__name__: f for f in (hits, cost, growth, strain, light, series)}
+    commands = {f.__name__: f for f in (hits, cost, growth, strain, light, albedo, series)}
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         sys.exit(__doc__)
     commands[sys.argv[1]](create_context(), *sys.argv[2:])

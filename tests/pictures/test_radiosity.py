@@ -1,6 +1,7 @@
 """Light around the curtain's room: form factors against closed forms, bounces against a furnace and photons, pictures."""
 
 import dataclasses
+import pickle
 
 import moderngl
 import numpy as np
@@ -94,6 +95,23 @@ def test_lone_triangles_make_a_room_too(ctx):
     assert source.max() < N
 
 
+def test_what_has_no_area_is_no_part_of_a_room(ctx):
+    """A quad that is a line, one that is a point and a lone line among others change nothing; a room of such alone is
+    refused."""
+    quads = inside_out(box("grey", (0, 0, 0), (2, 1.5, 1)))
+    line = np.array([[0, 0, 0], [1, 0, 0], [1, 0, 0], [0, 0, 0]], float)
+    plain = triangles_of(quads)
+    flat = triangles_of([*quads[:3], ("grey", line), ("grey", 0 * line + 0.5), *quads[3:]])
+    flat = np.concatenate([flat, np.linspace(0, 1, 9).reshape(1, 3, 3)[:, :, [0, 0, 0]].astype("f4")])
+    charts = make_charts(flat, 0.3)
+    for name in ("origin", "u", "v", "positions", "patches"):
+        np.testing.assert_array_equal(getattr(charts, name), getattr(make_charts(plain, 0.3), name))
+    assert np.isfinite(charts.records()).all()
+    np.testing.assert_array_equal(factors_of(ctx, flat, 0.3).factors, factors_of(ctx, plain, 0.3).factors)
+    with pytest.raises(InputError, match="no triangle has an area"):
+        make_charts(flat[6:10])
+
+
 def test_too_many_parts_are_refused(monkeypatch):
     """A room of many separate triangles: the message says how many are taken, and what to do; a little fewer are coarser."""
     from glcloth.curtain import charts
@@ -108,19 +126,63 @@ def test_too_many_parts_are_refused(monkeypatch):
         make_charts(loose)
 
 
-def test_factors_are_kept_on_disk(ctx, monkeypatch):
+def test_patches_are_bounded_too(monkeypatch):
+    """Their matrix grows with the square: a room with more has larger ones, as long as a part has one."""
+    from glcloth.curtain import charts
+
+    room = triangles_of(inside_out(box("grey", (0, 0, 0), (2, 1.5, 1))))
+    fine = make_charts(room)
+    monkeypatch.setattr(charts, "MOST_PATCHES", 12)
+    assert 6 <= len(make_charts(room).patches) <= 12 < len(fine.patches)
+    monkeypatch.setattr(charts, "MOST_PATCHES", 5)
+    with pytest.raises(InputError, match=r"6 parts.*at most 5.*--gi off"):
+        make_charts(room)
+
+
+def test_a_part_has_one_material():
+    """Two triangles of a parallelogram that reflect differently are two parts, with their own colours."""
+    room = triangles_of(inside_out(box("grey", (0, 0, 0), (2, 1.5, 1))))
+    material = np.zeros(len(room), int)
+    material[[1, 4, 5]] = 1, 2, 2
+    charts = make_charts(room, None, material)
+    assert charts.halves.sum() == 2 and len(charts.u) == 7
+    assert charts.chart_of[0] != charts.chart_of[1] and charts.chart_of[4] == charts.chart_of[5]
+    np.testing.assert_array_equal(material[charts.patch_triangle[charts.patch_of]][charts.element_chart == 1], 1)
+
+
+def test_factors_are_kept_on_disk(ctx, monkeypatch, tmp_path):
     """The second time nothing is computed; a file that is damaged is made anew."""
     from glcloth.curtain import form_factors
-    from glcloth.files import cache_dir
 
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path))
     positions = triangles_of(inside_out(box("grey", (0, 0, 0), (1.0, 1.25, 1))))
     first = factors_of(ctx, positions, 0.3).factors
     with monkeypatch.context() as patched:
         patched.setattr(form_factors, "_compute", lambda *_: pytest.fail("computed again"))
         np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
-    for path in (cache_dir() / "factors").glob("*.npz"):
-        path.write_bytes(path.read_bytes()[:100])
-    np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
+    (path,) = (tmp_path / "factors").iterdir()
+    whole = path.read_bytes()
+    turned = bytearray(whole)
+    turned[len(whole) // 2] ^= 0x10
+    for damaged in (b"", whole[:100], whole[:-300], bytes(turned), b"PK" + bytes(400), pickle.dumps([1])):
+        path.write_bytes(damaged)
+        np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
+        assert path.read_bytes() == whole
+    for other in ({"factors": first[:-1]}, {"factors": first.astype(float)}, {"factors": first * np.nan}, {"x": first}):
+        np.savez(path, **other)
+        np.testing.assert_array_equal(factors_of(ctx, positions, 0.3).factors, first)
+
+
+def test_a_cache_that_cannot_be_written_is_done_without(ctx, monkeypatch, tmp_path):
+    """A file where the folder should be, a folder where the file should be, a full disk."""
+    positions = triangles_of(inside_out(box("grey", (0, 0, 0), (1.0, 1.25, 1.1))))
+    (tmp_path / "factors").write_text("a file")
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path))
+    first = factors_of(ctx, positions, 0.4).factors
+    monkeypatch.setattr(np, "savez", lambda *_, **__: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path / "other"))
+    np.testing.assert_array_equal(factors_of(ctx, positions, 0.4).factors, first)
+    assert not list((tmp_path / "other" / "factors").iterdir())
 
 
 @pytest.fixture(scope="module")
@@ -222,6 +284,19 @@ def test_colours_bleed(as_it_was):
     _, G = lit(show)
     assert G[ceiling, 1].mean() / G[ceiling, 0].mean() > 1.5 * E[ceiling, 1].mean() / E[ceiling, 0].mean()
     assert np.isfinite(plain).all() and plain.min() >= 0
+
+
+def test_a_background_is_a_sky_too(as_it_was):
+    """Without a map the light that the sky sends is the background's, and follows it."""
+    show = as_it_was
+    show.build()
+    shot, light = show.shot(), []
+    for background in ((1.0, 1.0, 1.0), (3.0, 1.0, 0.5)):
+        lighting = dataclasses.replace(shot.lighting, background=background)
+        show.lit(dataclasses.replace(shot, environment=None, lighting=lighting))
+        light.append(show.radiosity.irradiance().mean(0))
+    ratio = light[1] / light[0]
+    assert ratio[0] > 1.3 and ratio[1] == pytest.approx(1) and ratio[2] < 0.9
 
 
 @pytest.mark.parametrize(("fabric", "least"), [("sheer_voile", 0.3), ("blackout", 0.0)])

@@ -270,11 +270,24 @@ def test_buffers_that_are_too_small_grow(ctx, keep, monkeypatch):
     assert small.growths == grown
 
 
+def test_lanes_grow_no_faster_than_the_scene(ctx, keep, monkeypatch):
+    """Four times the triangles take four times the lanes' memory, also where a lane cannot count a node's references."""
+    monkeypatch.setattr("glcloth.accel.kdtree.LANE_REFS", 16)
+    lanes = []
+    for count in (2000, 8000):
+        triangles, tree = Triangles.of(ctx, scenes.scene(count, 0.3)), KdTree(ctx)
+        keep += [triangles, tree]
+        tree.build(triangles)
+        lanes.append(tree._capacity["lane"])
+    assert lanes[1] < 5 * lanes[0]
+
+
 def test_lanes_that_are_too_few_grow(ctx, keep, monkeypatch):
     """As above, where many lanes share a node."""
-    monkeypatch.setattr("glcloth.accel.kdtree.LANE_REFS", 16)
+    monkeypatch.setattr("glcloth.accel.kdtree.LANE_REFS", 1)
     triangles, tree, small = Triangles.of(ctx, scenes.scene(3000, 0.3)), KdTree(ctx), KdTree(ctx)
     keep += [triangles, tree, small]
+    monkeypatch.setattr("glcloth.accel.kdtree.LARGE_REFS", 4)
     tree.build(triangles)
     monkeypatch.setattr("glcloth.accel.kdtree.LARGE_REFS", 1 << 30)
     small.build(triangles)

@@ -9,6 +9,7 @@ from glcloth.errors import InputError
 from glcloth.fabric import Fabric, Transmission, builtin_fabrics, load_fabric, save_fabric
 from glcloth.tracing.energy import directional_albedo, hemisphere, mean_albedo, reflection_limit
 from glcloth.twins import ggx, sheet
+from glcloth.twins.cloth import f_cloth
 
 # Quadrature and 4e5-sample Monte Carlo agreed on these (f_t in 1/sr); theta_v is counted from -N, degrees.
 # r, n1, n2, theta_l, theta_v, phi, h.n, exact Fresnel and Smith, Schlick and Smith, Schlick and cavities
@@ -262,6 +263,18 @@ def test_hemisphere_integrates_cosines():
     d, w = hemisphere()
     assert w.sum() == pytest.approx(np.pi)
     np.testing.assert_allclose((w[:, None] * d**2).sum(0), [np.pi / 4, np.pi / 4, np.pi / 2], rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["silk_crepe_de_chine", "linen_curtain", "sheer_voile"])
+def test_the_albedo_is_that_of_brute_force(name):
+    """Against 27,000 directions; over sin^2 it was 0.5 to 4 % too low."""
+    fabric = load_fabric(name)
+    z, phi = (a.ravel() for a in np.meshgrid((np.arange(150) + 0.5) / 150, (np.arange(180) + 0.5) * (np.pi / 90)))
+    d = np.stack([np.sqrt(1 - z**2) * np.cos(phi), np.sqrt(1 - z**2) * np.sin(phi), z], -1)
+    for theta, azimuth in ((4, 0), (45, 45), (76, 160)):
+        o = polar(theta, azimuth, 1)
+        exact = 2 * np.pi * f_cloth(d, o[None], *fabric.arrays()).mean(0)
+        np.testing.assert_allclose(directional_albedo(fabric, o), exact, rtol=3e-3)
 
 
 def test_transmission_blocks(tmp_path):

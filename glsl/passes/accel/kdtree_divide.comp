@@ -45,6 +45,7 @@ uint reserve_next(uint self, uint count) {
         return NO_TRIANGLE;
     }
     next_active[atomicAdd(counter[ACTIVE_COUNT], 1u)] = self;
+    atomicMax(counter[ACTIVE_MOST], count);
     return at + uint(next_base);
 }
 

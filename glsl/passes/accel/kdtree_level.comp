@@ -8,6 +8,7 @@ uniform int level;           // the next one
 uniform int lanes_of_all;    // invocations that share a level,
 uniform int fewest_lanes;    // and a node
 uniform int most_lanes;
+uniform int lane_refs;       // the most references that a lane can count
 uniform int lane_capacity;
 
 void main() {
@@ -15,7 +16,8 @@ void main() {
     uint nodes = counter[ACTIVE_COUNT];
     counter[GENERATIONS + level + 1] = counter[NODE_COUNT];
     int doublings = nodes > 1u ? findMSB(nodes - 1u) + 1 : 0;
-    int lanes = max(min(lanes_of_all >> min(doublings, 31), most_lanes), fewest_lanes);
+    int fewest = max(fewest_lanes, (int(counter[ACTIVE_MOST]) + lane_refs - 1) / lane_refs);
+    int lanes = max(min(lanes_of_all >> min(doublings, 31), most_lanes), fewest);
     if (nodes * uint(lanes) > uint(lane_capacity)) counter[NEED_LANES] = nodes * uint(lanes);
     bool stop = stopped();
     if (stop) nodes = 0u;
@@ -23,6 +25,7 @@ void main() {
     counter[ACTIVE_NOW] = nodes;
     counter[LANES_NOW] = uint(lanes);
     counter[ACTIVE_COUNT] = 0u;
+    counter[ACTIVE_MOST] = 0u;
     counter[NEXT_REF_COUNT] = 0u;
     set_groups(LANE_GROUPS, groups_of(nodes * uint(lanes)));
     set_groups(NODE_GROUPS, groups_of(nodes));

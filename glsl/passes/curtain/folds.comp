@@ -4,6 +4,7 @@
 // layer they go straight on, are scattered through, mirrored or reflected, by chance as much as goes either way. Where the
 // lamp lights a layer, what it scatters toward the path is added: the lamp's own rays are cast layer by layer in between,
 // by the same traversal.
+#include "core/math.glsl"
 #include "trace/random.glsl"
 #include "inputs/tracing/local_light.glsl"
 #include "inputs/accel/ray.glsl"
@@ -54,7 +55,7 @@ void main() {
         if (to_lamp) {
             lamp_left *= met ? straight : vec3(1.0);
             t_min = behind_layer(visit.t);
-            if (!met || max(lamp_left.r, max(lamp_left.g, lamp_left.b)) < 1e-5) {
+            if (!met || largest(lamp_left) < 1e-5) {
                 lamp_sum += met ? vec3(0.0) : lamp_left;
                 to_lamp = false;
                 o = after_o;
@@ -73,8 +74,7 @@ void main() {
                 : reflection_limit * f_cloth(omega_i, omega_o));
             vec3 even = T_lambert(omega_o, k_t, tau, rho, diffuse);
             float R = R_limited(R_sheet(omega_o, k_t, rho, eta_1, eta_2), straight + even, cloth_albedo);
-            vec4 chance = vec4(max(straight.r, max(straight.g, straight.b)), max(even.r, max(even.g, even.b)), R,
-                               max(max(cloth_albedo.r, max(cloth_albedo.g, cloth_albedo.b)), 0.02));
+            vec4 chance = vec4(largest(straight), largest(even), R, max(largest(cloth_albedo), 0.02));
             chance /= chance.x + chance.y + chance.z + chance.w;
             hash = hash3(hash);
             float pick = unit_square(hash.zz).x;
@@ -95,8 +95,8 @@ void main() {
                 // A smooth normal may send light to the wrong side of the flat triangle.
                 left *= dot(after_d, s.N_g) * (through ? -1.0 : 1.0) > 0.0 ? 1.0 : 0.0;
             }
-            if (max(left.r, max(left.g, left.b)) < 1e-4) left = vec3(0.0);
-            to_lamp = max(lamp_left.r, max(lamp_left.g, lamp_left.b)) > 1e-7;
+            if (largest(left) < 1e-4) left = vec3(0.0);
+            to_lamp = largest(lamp_left) > 1e-7;
             o = after_o;
             d = after_d;
             t_min = after_t;

@@ -1,5 +1,6 @@
 #version 430
 // The radiance of a fabric in a white furnace: radiance 1 from everywhere, toward a few directions.   [own]
+#include "core/math.glsl"
 #include "inputs/picture/fabric.glsl"
 layout(local_size_x = 64) in;
 uniform samplerBuffer point_data;  // omega_o of the views, then omega_i, surface frame
@@ -12,7 +13,7 @@ void main() {
     if (i >= view_count) return;
     vec3 omega_o = texelFetch(point_data, i).xyz;
     // Each view turns the lights by an angle of its own, so that together they fill the gaps of a narrow lobe.
-    float turn = 2.0 * 3.14159265 * fract(float(i) * 0.7548776662);
+    float turn = 2.0 * PI * fract(float(i) * R2.x);
     mat2 turned = mat2(cos(turn), sin(turn), -sin(turn), cos(turn));
     vec3 sum = vec3(0.0);
     for (int n = 0; n < light_count; ++n) {

@@ -13,7 +13,7 @@ void main() {
     float z = (float(texel.y) + 0.5) / float(size.y), phi = 2.0 * PI * (float(texel.x) + 0.5) / float(size.x);
     vec3 omega_o = vec3(sqrt(1.0 - z * z) * vec2(cos(phi), sin(phi)), z);
     // Each view turns the lights by an angle of its own, so that together they fill the gaps of a narrow lobe.
-    float turn = 2.0 * PI * fract(float(texel.x + size.x * texel.y) * 0.7548776662);
+    float turn = 2.0 * PI * fract(float(texel.x + size.x * texel.y) * R2.x);
     mat2 turned = mat2(cos(turn), sin(turn), -sin(turn), cos(turn));
     vec3 sum = vec3(0.0);
     vec2 moment = vec2(0.0);

@@ -1,6 +1,7 @@
 #version 430
 // Means over a repeat of what the maps of threads show from a direction, where yarns hide each other.   [own]
 // Defines: GROUPS, EACH_GROUP(F). An invocation makes those of one direction and mip level. See glcloth/methods/relief.py.
+#include "core/math.glsl"
 #include "core/disk.glsl"
 #include "inputs/methods/relief.glsl"
 layout(local_size_x = 64) in;
@@ -28,8 +29,8 @@ void main() {
 #define NONE(g) rel_sum[g] = turn_sum[g] = vec4(0.0);
     EACH_GROUP(NONE)
     do {
-        // A lattice that runs in step with no yarns.   [Roberts 2018, R2]
-        vec2 place = fract(start + float(n) * vec2(0.7548776662, 0.5698402910));
+        // A lattice that runs in step with no yarns.
+        vec2 place = fract(start + float(n) * R2);
         place += relief_shift(place, lod, omega);
 #define ADD(g) rel_sum[g] += textureLod(weave_map, vec3(place, float(g)), lod); \
         turn_sum[g] += textureLod(weave_map, vec3(place, float(g + GROUPS)), lod);
