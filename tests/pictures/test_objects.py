@@ -96,6 +96,25 @@ def test_a_picture_lies_on_the_ball_the_right_way_up(renderer):
         assert shown[place][:3] == pytest.approx(wanted, rel=0.02, abs=0.004), place
 
 
+def test_each_object_has_its_own_picture(renderer):
+    """Two balls side by side whose pictures differ: neither shows the other's, nor the material of one that has none."""
+    balls, codes = [], ((220, 40, 40), (40, 60, 220), (90, 90, 90))
+    for number in range(3):
+        blob = io.BytesIO()
+        Image.fromarray(np.full((8, 8 << number, 3), codes[number], np.uint8)).save(blob, "PNG")
+        picture_of = blob.getvalue() if number < 2 else None
+        balls.append((placed(load_mesh("sphere"), 0.5, 0.0, (0.6 * number - 0.6, 0.0, 0.0)), picture_of))
+    objects = Objects(
+        tuple(mesh for mesh, _ in balls), (np.ones((len(balls[0][0].triangles), 3), np.float32),) * 3,
+        materials=tuple((Material(f"m{n}", WHITE, 1.0, 0.0, blob),) for n, (_, blob) in enumerate(balls)),
+        material_of=(np.zeros(len(balls[0][0].triangles), np.int32),) * 3,
+    )  # fmt: skip
+    shown = picture(renderer, objects, camera=Camera((0.0, 0.0, 3.2), (0.0, 0.0, 0.0), fov_deg=32.0))
+    for column, wanted in ((8, srgb_decode(np.array(codes[0]) / 255.0)), (24, srgb_decode(np.array(codes[1]) / 255.0))):
+        assert shown[24, column, :3] == pytest.approx(wanted, rel=0.03, abs=0.004)
+    assert shown[24, 40, :3] == pytest.approx((1.0, 1.0, 1.0), rel=0.03)
+
+
 def test_matt_objects_have_the_bits_they_had(renderer):
     """A material that says nothing but a colour is shaded as a colour, whatever program the others need."""
     plain = ball(Material("a", (0.3, 0.4, 0.5)))
