@@ -44,7 +44,7 @@ def _maps(field: str, changes: dict[str, Any], scene: Scene) -> dict[str, Any]:
     look = {
         name: changes.pop(f"{field}_{name}") for name in ("repeat", "unit", "space") if f"{field}_{name}" in changes
     }
-    of_all, of_parts = _of_parts(field, given, "Skirt=roses.png")
+    of_all, of_parts = _of_parts(field.replace("_", "-"), given, "Skirt=roses.png")
     own = getattr(scene, field)
     out: dict[str, Any] = {} if of_all is None else {field: {"file": of_all, **look}}
     if of_parts:
@@ -52,7 +52,8 @@ def _maps(field: str, changes: dict[str, Any], scene: Scene) -> dict[str, Any]:
         out[MAPS[field]] = {**getattr(scene, MAPS[field]), **named}
     if look and not out:
         if own is None:
-            raise InputError(f"--{field}-{next(iter(look))}: there is no {field}; give --{field} FILE too")
+            option = field.replace("_", "-")
+            raise InputError(f"--{option}-{next(iter(look))}: there is no {option}; give --{option} FILE too")
         out[field] = own.changed(**look)
     return out
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import moderngl
 import numpy as np
@@ -17,8 +17,10 @@ from ..gpu.programs import programs
 from ..methods.method import Method
 from ..methods.weave_maps import WeaveMaps, far_footprint
 from ..progress import warn
-from .frame import Frame
 from .prints import Print, PrintTexture
+
+if TYPE_CHECKING:
+    from .frame import Frame
 
 EVERYWHERE = 1e30  # metres: larger than any pixel
 METRES = (0.75, 1.33)  # metres a UV unit that are taken for one: such UVs are metres, on a cloth that is stretched

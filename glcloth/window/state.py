@@ -22,6 +22,8 @@ SHARED = (
     "prints",
     "opacity",
     "opacities",
+    "fabric_mask",
+    "fabric_masks",
     "units",
     "objects",
     "ground",
