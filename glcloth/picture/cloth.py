@@ -40,6 +40,7 @@ class ClothSurface(Surface):
 
     method: Method
     transmission: Transmission | None = None
+    mask_number = 0  # which fabric of a mask it is; 0: that of its part
 
     def __init__(self, ctx: moderngl.Context):
         super().__init__(ctx, FLAT)
@@ -109,6 +110,7 @@ class ClothSurface(Surface):
     def _opened(self, cloth: Cloth, frame: Frame) -> tuple[Mesh, int | None, float]:
         """The mesh, how many of its triangles hide light, and what its UV unit is in the unit of its opacity map."""
         opacity, mask, mesh = cloth.opacity, cloth.mask, cloth.mesh
+        self.mask_number = 0 if mask is None else mask.number
         if opacity is None and mask is None:
             return mesh, None, 1.0
         scale = self.threads.unit(mesh, frame) if opacity is not None and opacity.in_metres else 1.0

@@ -18,7 +18,7 @@ from ..scene import MAPS
 from .masks import FabricMask, Masked, check_colors, mask_colors, split
 from .openings import Opacity
 from .prints import Print
-from .threads import guessed_scale
+from .uv_scale import guessed_scale
 
 
 @dataclass(frozen=True, eq=False)

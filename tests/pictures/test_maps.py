@@ -234,11 +234,21 @@ def test_each_place_of_a_mask_casts_the_shadow_of_its_fabric(renderer, tmp_path)
     mask = texture(tmp_path, np.repeat(np.repeat([[(1, 0, 0), (0, 1, 0)]], 8, 0), 4, 1))
     slanting = Suns(np.array([[0.0, 1.0, -0.8]]) / np.sqrt(1.64), np.full((1, 3), 3.0))
     sun = Lights(SphericalGaussians(np.array([[0.0, 1.0, 0.0]]), np.array([2.0]), np.full((1, 3), 0.01)), slanting)
-    look = {"camera": OVERHEAD, "size": (24, 24), "background": False, "shadows": "sun", "threads": False, "lights": sun}
+    look = {
+        "camera": OVERHEAD,
+        "size": (24, 24),
+        "background": False,
+        "shadows": "sun",
+        "threads": False,
+        "lights": sun,
+    }
     cloths = {"mesh": [low, high], "fabric": "linen"}
     fabrics = {"#f00": "sheer_voile", "#0f0": "linen"}
     shown = renderer.render(**look, **cloths, fabrics=fabrics, fabric_mask=mask)[..., 1]
     assert len(renderer.stage.cloths_in_frame) == 2
+    # What is picked on the upper sheet's left is a place of the mask.
+    left_side, right_side = (renderer.pick(x, 0.5) for x in (0.4, 0.6))
+    assert (left_side.mask, right_side.mask) == (1, 2) and left_side.names == ("board",)
     # Below the upper sheet's edge (0.7) there is its shadow; the lower sheet has the mask, too, but each half its own fabric.
     bare = renderer.render(**look, mesh=low, fabric="linen", fabrics=fabrics, fabric_mask=mask)[..., 1]
     left = shown[21:23, 6:10] / bare[21:23, 6:10]

@@ -12,7 +12,7 @@ from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.methods import relief
 from glcloth.methods.relief import LEVELS, SIDE, relief_table
 from glcloth.methods.weave_maps import fabric_maps, repeat_of
-from glcloth.picture import threads
+from glcloth.picture import uv_scale
 from glcloth.weave.maps import mip_levels
 
 EVEN = {"shift": 0.0, "yarn": 0.0, "fibre": 0.0}
@@ -179,7 +179,7 @@ def test_holes_show_what_is_behind(renderer):
 
 def test_paper_says_that_it_shows_the_far_cloth(renderer, monkeypatch):
     said = []
-    monkeypatch.setattr(threads, "warn", said.append)
+    monkeypatch.setattr(uv_scale, "warn", said.append)
     for cloth in renderer.stage.cloths:  # which may have said it in an earlier test
         cloth.threads._warned.clear()
     fabric = load_fabric("silk_shot")
@@ -190,7 +190,7 @@ def test_paper_says_that_it_shows_the_far_cloth(renderer, monkeypatch):
 
 def test_uvs_that_are_no_metres(renderer, monkeypatch):
     said = []
-    monkeypatch.setattr(threads, "warn", said.append)
+    monkeypatch.setattr(uv_scale, "warn", said.append)
     fabric = even("linen_heavy")
     look = {**LOOK, "fabric": fabric, "camera": camera(30, 20), "size": (64, 64)}
     metres = renderer.render(mesh=patch(fabric), **look)
