@@ -150,6 +150,8 @@ def test_objects_stand_where_a_scene_says():
     assert np.allclose(mesh.positions, 0.5 * turn.apply(still.positions) + (1, 2, 3), atol=1e-6)
     assert np.allclose(mesh.normals, turn.apply(still.normals), atol=1e-6)
     assert np.allclose(mesh.tangents[:, :3], turn.apply(still.tangents[:, :3]), atol=1e-6)
+    with pytest.raises(InputError, match="no file can have such a name"):
+        load_solids(["x" * 300 + ".obj"])
     assert Place.of("1,2") == (1.0, 2.0, 0.0, 1.0, 0.0)
     assert split_place("a@b.obj") == ("a@b.obj", "") and split_place("a.obj@.5") == ("a.obj", ".5")
     for wrong in ("1,a", "1,2,3,0", "1,2,3,1,2,3", "nan,0,0"):
