@@ -94,6 +94,16 @@ VIEW_TRANSFORMS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 
 
+def hex_codes(text: str) -> tuple[float, float, float]:
+    """The code values 0 to 1 of a colour as #rgb or #rrggbb. Raises ValueError."""
+    digits = text.removeprefix("#")
+    digits = "".join(2 * digit for digit in digits) if len(digits) == 3 else digits
+    if not text.startswith("#") or len(digits) != 6 or any(digit not in "0123456789abcdefABCDEF" for digit in digits):
+        raise ValueError(f"expected a colour such as #ff0000, not {text}")
+    red, green, blue = (int(digits[k : k + 2], 16) / 255.0 for k in (0, 2, 4))
+    return red, green, blue
+
+
 def known_transform(name: str) -> str:
     """The name, if it is one of VIEW_TRANSFORMS. Raises InputError on another."""
     if name not in VIEW_TRANSFORMS:

@@ -18,7 +18,7 @@ import numpy as np
 from .color import Transform, srgb_decode, view
 from .errors import InputError
 from .files import MOST_TEXT, atomic_write, check_writable, path_of, read_bytes, read_json
-from .formats.common import broken, check_pixels, silence
+from .formats.common import broken, check_pixels, decoded, silence
 from .formats.exr import open_exr, read_exr
 from .formats.radiance import read_radiance
 
@@ -235,25 +235,6 @@ def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool, laye
 # PNG and JPEG -----------------------------------------------------------------------------------------------------
 
 
-def _with_oiio(path: Path) -> np.ndarray:
-    """Pixels [H, W, C] as floats 0 to 1, by OpenImageIO."""
-    import OpenImageIO
-
-    config = OpenImageIO.ImageSpec()
-    config["oiio:UnassociatedAlpha"] = 1
-    with silence():
-        file = OpenImageIO.ImageInput.open(str(path), config)
-        pixels = file.read_image("float") if file else None
-        # Unread messages would be printed by the library when it is unloaded.
-        OpenImageIO.geterror()
-        if file:
-            file.geterror()
-            file.close()
-    if pixels is None or np.ndim(pixels) != 3:
-        raise broken(path)
-    return pixels
-
-
 def _with_pillow(source: Path | bytes, use):
     from PIL import Image
 
@@ -279,7 +260,7 @@ def _read_display(path: Path) -> np.ndarray:
     if path.suffix.lower() == ".png" and _png_bit_depth(path) == 16:
         # Pillow would cut 16-bit colours to 8 bits.
         check_pixels(path, *_png_size(path), path.stat().st_size)
-        code = _with_oiio(path)
+        code = decoded(path, path, unassociated=True)
         if code.shape[-1] <= 2:
             code = np.concatenate([np.repeat(code[..., :1], 3, -1), code[..., 1:]], -1)
     else:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import ConfigDict, Field, field_validator, model_serializer, model_validator
 
 from . import __version__
-from .color import Transform
+from .color import Transform, hex_codes
 from .errors import InputError, short
 from .fabric import Fabric
 from .fields import Value, about, entries
@@ -41,7 +41,7 @@ CURTAIN = {"fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (6
 option = partial(about, option=True)
 cloth, curtain = partial(option, of="cloth"), partial(option, of="curtain")
 direct, paper, reference, path = (partial(option, of=method) for method in ("direct", "paper", "reference", "path"))
-MAPS = {"print": "prints", "opacity": "opacities"}  # of all cloth, and of its parts
+MAPS = {"print": "prints", "opacity": "opacities", "fabric_mask": "fabric_masks"}  # of all cloth, and of its parts
 KINDS = {"cloth": "cloth under an environment", "curtain": "the curtain"}
 
 
@@ -125,6 +125,13 @@ class OpacityMap(ClothMap):
     model_config = ConfigDict(title="opacity")
 
 
+class FabricMaskMap(ClothMap):
+    """Which fabric a place has: that of the listed colour nearest to the picture's codes there; the part's own where none is
+    within a quarter of their range."""
+
+    model_config = ConfigDict(title="fabric_mask")
+
+
 class Bookmark(Value):
     """A camera under a name."""
 
@@ -205,7 +212,8 @@ class Scene(Value):
         "", "built-in fabric, a .toml file or a draft (.wif); PART=FABRIC for a material, group or object alone (* and ? match "
         "any); repeatable", default="silk_crepe_de_chine", file=True, repeat=True)
     fabrics: dict[str, str | Fabric] = cloth(
-        "", "a table: PART = FABRIC; a whole name before a pattern, the longer pattern first", default_factory=dict,
+        "", "a table: PART = FABRIC; a whole name before a pattern, the longer pattern first; \"#rrggbb\" = FABRIC for a "
+        "colour of the fabric mask", default_factory=dict,
         option=False, file=True)
     threads: bool = cloth(
         "", "threads where one comes near, of a fabric with a weave (direct, reference)", default=True)
@@ -223,6 +231,11 @@ class Scene(Value):
         "repeatable", default=None, file=True, repeat=True)
     opacities: dict[str, OpacityMap] = cloth(
         "", "a table: PART = a table as opacity", default_factory=dict, option=False, file=True)
+    fabric_mask: FabricMaskMap | None = cloth(
+        "", "a picture whose colours say which fabric a place has, over the UVs, with --fabric '#rrggbb=FABRIC' for each colour; "
+        "a table in files; PART=FILE for a part alone; repeatable", default=None, file=True, repeat=True)
+    fabric_masks: dict[str, FabricMaskMap] = cloth(
+        "", "a table: PART = a table as fabric_mask", default_factory=dict, option=False, file=True)
     objects: tuple[str, ...] = cloth(
         "", "mesh that stands by the cloth, in its own colours; behind it @x,y,z,scale,turn (metres, factor, degrees about "
         "+Y), as many as are needed; repeatable", default=(), option="--object", file=True, repeat=True)
@@ -358,12 +371,20 @@ class Scene(Value):
                 Place.of(split_place(text)[1])
         return value
 
-    @field_validator("print", "opacity", mode="before")
+    @field_validator("fabrics", mode="after")
+    @classmethod
+    def _colors(cls, value):
+        for name in value:
+            if name.startswith("#"):
+                hex_codes(name)
+        return value
+
+    @field_validator("print", "opacity", "fabric_mask", mode="before")
     @classmethod
     def _map(cls, value):
         return {"file": value} if isinstance(value, str) else value
 
-    @field_validator("prints", "opacities", mode="before")
+    @field_validator("prints", "opacities", "fabric_masks", mode="before")
     @classmethod
     def _maps(cls, value):
         return {part: cls._map(one) for part, one in value.items()} if isinstance(value, dict) else value
@@ -499,7 +520,7 @@ def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
     for entry in entries(Scene):
         if entry.file and entry.name in data:
             value = data[entry.name]
-            table = entry.name in ("fabrics", "prints", "opacities") and isinstance(value, dict)
+            table = entry.name in ("fabrics", *MAPS.values()) and isinstance(value, dict)
             out[entry.name] = {part: changed(v) for part, v in value.items()} if table else changed(value)
     return out
 

@@ -27,6 +27,8 @@ BUFFERS = {
     "histogram Histogram": (0, "r32ui"), "begins Begins": (0, "r32ui"), "Lanes": (0, "rgba32f"),
 }  # fmt: skip
 
+OF_KEYS = tuple(f"passes/accel/lbvh_{name}.comp" for name in ("codes", "boxes", "emit"))
+
 
 class Lbvh:
     """A bounding volume hierarchy of `Triangles` on the GPU (glcloth/accel/structure.py)."""
@@ -42,6 +44,7 @@ class Lbvh:
             self._buffers |= dict.fromkeys(names.split(), buffer)
         self._buffers["Lanes"].reserve(32 * LANES)
         self._inputs: dict[str, Any] = {}  # of the passes that build
+        self._defines: dict[str, int] = {}  # of those that read what a key stands for
         self.triangles: Triangles | None = None
         self.timings: dict[str, float] = {}
         self.node_count = self.leaf_ref_count = 0
@@ -53,7 +56,8 @@ class Lbvh:
     def build_steps(self, triangles: Triangles) -> Iterator[None]:
         """As `build`, in steps, for a caller with other things to do in between."""
         self.triangles = triangles
-        n = self.leaf_ref_count = triangles.count
+        pieces = triangles.pieces
+        n = self.leaf_ref_count = triangles.count if pieces is None else pieces[0]
         self.node_count = max(n - 1, 1)
         if n == 0:
             self._buffers["bvh_nodes"].write(_node(0))
@@ -61,7 +65,8 @@ class Lbvh:
         for names, (texels, _) in BUFFERS.items():
             buffer = self._buffers[names.split()[0]]
             buffer.reserve(max(n, 2) * texels * buffer.texel_bytes)
-        self._inputs = self._buffers | triangles.inputs()
+        self._inputs = self._buffers | triangles.inputs() | ({} if pieces is None else {"pieces": pieces[1]})
+        self._defines = {} if pieces is None else {"PIECES": 1}
         clock = Stopwatch()
         self._write_codes(n)
         clock.lap("codes")
@@ -83,10 +88,11 @@ class Lbvh:
 
     def _write_codes(self, n: int) -> None:
         """Write the Morton codes of the triangles."""
-        self._run("passes/accel/lbvh_bounds.comp", LANES, triangle_count=n, lanes=LANES)
+        assert self.triangles is not None
+        self._run("passes/accel/lbvh_bounds.comp", LANES, triangle_count=self.triangles.count, lanes=LANES)
         lanes = np.frombuffer(self._buffers["Lanes"].read(32 * LANES), np.float32).reshape(LANES, 2, 4)[:, :, :3]
         low, high = lanes[:, 0].min(0), lanes[:, 1].max(0)
-        self._run("passes/accel/lbvh_codes.comp", n, triangle_count=n, scene_low=low, scene_high=high)
+        self._run("passes/accel/lbvh_codes.comp", n, key_count=n, scene_low=low, scene_high=high)
         self._swap_keys()
 
     def _sort(self, n: int) -> None:
@@ -109,7 +115,8 @@ class Lbvh:
         names["keys"], names["Keys"] = names["Keys"], names["keys"]
 
     def _run(self, path: str, items: int, **own: Any) -> None:
-        programs(self.ctx).compute(path).run(items, self._inputs, **own)
+        defines = self._defines if path in OF_KEYS else None
+        programs(self.ctx).compute(path, defines).run(items, self._inputs, **own)
 
     def inputs(self) -> dict[str, Any]:
         """The inputs of inputs/accel/lbvh.glsl, by name."""

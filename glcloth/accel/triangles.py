@@ -10,6 +10,7 @@ import numpy as np
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
 from ..twins.octahedron import octahedral
+from .needles import pieces_of
 
 # A ray's hit is off by a few units in the last place of the coordinates. Boxes are padded by more than that, so that a
 # triangle is also found from the cell on the other side of a plane that it touches.
@@ -36,6 +37,7 @@ class Triangles:
         self.turn = np.zeros(max(count, 1), int)  # by how many places the corners of each were turned, see `set`
         self._joined = np.zeros(max(count, 1), bool)  # a triangle and its successor are a pair
         self._pairs: tuple[int, TextureBuffer] | None = None
+        self.pieces: tuple[int, TextureBuffer] | None = None  # how many, and those of glcloth/accel/needles.py
 
     @classmethod
     def of(cls, ctx: moderngl.Context, positions: np.ndarray, material: np.ndarray | int = 0) -> Triangles:
@@ -50,6 +52,10 @@ class Triangles:
         positions = np.asarray(positions, np.float32)
         self.padding = (float(np.abs(positions).max(initial=0.0)) or 1.0) * PADDING
         self.set(0, positions, material=material)
+        if self.pieces is not None:
+            self.pieces[1].release()
+        found = pieces_of(rotated_corners(without_lines(positions), self.turn[: len(positions)]))
+        self.pieces = None if found is None else (len(found), TextureBuffer(self.ctx, found, "rgba32ui"))
 
     def set(
         self,
@@ -157,6 +163,8 @@ class Triangles:
     def release(self) -> None:
         """Free the GPU's memory."""
         self._forget_pairs()
+        if self.pieces is not None:
+            self.pieces[1].release()
         self.corners.release()
         self.attributes.release()
 

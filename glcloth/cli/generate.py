@@ -15,7 +15,7 @@ from ..fabric import Fabric, Transmission, Yarn
 from ..fields import Entry, Value, entries
 from ..files import PACKAGE
 from ..light.lights_file import FORMAT
-from ..scene import CURTAIN, CurtainParameters, OpacityMap, PrintMap, Scene, View, kind_of
+from ..scene import CURTAIN, CurtainParameters, FabricMaskMap, OpacityMap, PrintMap, Scene, View, kind_of
 from ..weave.model import Irregularity, Stripe, Weave
 
 DOCS = PACKAGE.parent / "docs"
@@ -39,6 +39,7 @@ def scene_document() -> str:
         _table("The table `camera`", entries(View)),
         _table("The table `print`, and each of `prints`", map_options("print", PrintMap)),
         _table("The table `opacity`, and each of `opacities`", map_options("opacity", OpacityMap)),
+        _table("The table `fabric_mask`, and each of `fabric_masks`", map_options("fabric_mask", FabricMaskMap)),
         _table("The table `curtain`", entries(CurtainParameters)),
     ]
     return "\n\n".join(parts) + "\n"
@@ -129,9 +130,9 @@ def _said(value: Any) -> str:
 
 def map_options(field: str, model: type[Value]) -> list[Entry]:
     """The fields of a map of the cloth; the option of its file has the map's name, the others begin with it."""
+    option = "--" + field.replace("_", "-")
     return [
-        replace(entry, option=f"--{field}" if entry.name == "file" else f"--{field}-{entry.name}")
-        for entry in entries(model)
+        replace(entry, option=option if entry.name == "file" else f"{option}-{entry.name}") for entry in entries(model)
     ]
 
 
@@ -164,11 +165,11 @@ def scene_options() -> str:
                 name += 'negative="", ' if several else ""
                 text = _help(entry, "curtain" if model is CurtainParameters else entry.of)
                 lines.append(f'    {entry.name}: Annotated[{kind} | None, Parameter({name}help="{text}")] = None')
-    for field, of_map in (("print", PrintMap), ("opacity", OpacityMap)):
-        for entry in map_options(field, of_map)[1:]:
+    for name, of_map in (("print", PrintMap), ("opacity", OpacityMap), ("fabric_mask", FabricMaskMap)):
+        for entry in map_options(name, of_map)[1:]:
             kind = _type(of_map.model_fields[entry.name].annotation)
-            text = f"{field.capitalize()}: {_help(entry, '')}"
-            lines.append(f'    {field}_{entry.name}: Annotated[{kind} | None, Parameter(help="{text}")] = None')
+            text = f"{name.replace('_', ' ').capitalize()}: {_help(entry, '')}"
+            lines.append(f'    {name}_{entry.name}: Annotated[{kind} | None, Parameter(help="{text}")] = None')
     return "\n".join(lines) + "\n"
 
 

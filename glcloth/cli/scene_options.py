@@ -19,6 +19,7 @@ class SceneOptions:
     mesh: Annotated[list[str] | None, Parameter(name="--mesh", negative="", help="Built-in mesh or a file (.obj .ply .glb .gltf .stl .off); repeatable.")] = None
     print: Annotated[list[str] | None, Parameter(name="--print", negative="", help="A picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; repeatable.")] = None
     opacity: Annotated[list[str] | None, Parameter(name="--opacity", negative="", help="A picture that says where cloth is, over the UVs: black is open; a table in files; PART=FILE for a part alone; repeatable.")] = None
+    fabric_mask: Annotated[list[str] | None, Parameter(name="--fabric-mask", negative="", help="A picture whose colours say which fabric a place has, over the UVs, with --fabric '#rrggbb=FABRIC' for each colour; a table in files; PART=FILE for a part alone; repeatable.")] = None
     objects: Annotated[list[str] | None, Parameter(name="--object", negative="", help="Mesh that stands by the cloth, in its own colours; behind it @x,y,z,scale,turn (metres, factor, degrees about +Y), as many as are needed; repeatable.")] = None
     units: Annotated[str | None, Parameter(help="Of the lengths in mesh files; auto: metres, but for cloth that would be 20 m or more (auto, m, dm, cm, mm or in).")] = None
     ground: Annotated[str | None, Parameter(help="Height of a ground; alone or auto: just under the lowest point; catcher: there, but only its shadow is seen; or off (m).")] = None
@@ -68,3 +69,5 @@ class SceneOptions:
     print_space: Annotated[str | None, Parameter(help="Print: Of the codes in a PNG or JPEG: sRGB, or linear; OpenEXR and Radiance are always linear (srgb or linear).")] = None
     opacity_repeat: Annotated[float | None, Parameter(help="Opacity: How much of the cloth one repeat covers, along u; in metres it keeps its proportions along v (0.001 to 1e+06).")] = None
     opacity_unit: Annotated[str | None, Parameter(help="Opacity: Of the repeat: UV units, where it is as high as wide, or metres (uv or m).")] = None
+    fabric_mask_repeat: Annotated[float | None, Parameter(help="Fabric mask: How much of the cloth one repeat covers, along u; in metres it keeps its proportions along v (0.001 to 1e+06).")] = None
+    fabric_mask_unit: Annotated[str | None, Parameter(help="Fabric mask: Of the repeat: UV units, where it is as high as wide, or metres (uv or m).")] = None

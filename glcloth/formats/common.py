@@ -10,6 +10,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import InputError
 
 MOST_PIXELS = 1 << 27  # 16384 x 8192
@@ -60,3 +62,24 @@ def silence() -> Iterator[None]:
             os.dup2(scratch.fileno(), descriptor)
         with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
             yield
+
+
+def decoded(file: str | Path, named: str | Path, unassociated: bool = False) -> np.ndarray:
+    """The pixels [H, W, C] of a picture as float32, by OpenImageIO; whole numbers as 0 to 1. `unassociated`: colours that
+    are not multiplied by alpha stay so. Raises InputError, which calls the file `named`."""
+    import OpenImageIO
+
+    config = OpenImageIO.ImageSpec()
+    if unassociated:
+        config["oiio:UnassociatedAlpha"] = 1
+    with silence():
+        picture = OpenImageIO.ImageInput.open(str(file), config)
+        pixels = picture.read_image("float") if picture else None
+        # Unread messages would be printed by the library when it is unloaded.
+        OpenImageIO.geterror()
+        if picture:
+            picture.geterror()
+            picture.close()
+    if pixels is None or np.ndim(pixels) != 3:
+        raise broken(named)
+    return pixels

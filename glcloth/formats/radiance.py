@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..progress import warn
-from .common import broken, check_pixels, silence
+from .common import broken, check_pixels, decoded
 from .primaries import converted, rec709_from, rec709_from_xyz
 
 MOST_HEADER = 1 << 16
@@ -152,20 +152,12 @@ def _decoded(path: Path, blob: bytes, header: _Header) -> np.ndarray:
 
 def _by_library(path: Path, body: bytes, header: _Header) -> np.ndarray:
     """The scanlines as OpenImageIO decodes them under a plain header."""
-    import OpenImageIO
-
     size = f"-Y {header.lines} +X {header.across}\n"
     with tempfile.NamedTemporaryFile(suffix=".hdr") as file:
         file.write(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n" + size.encode() + body)
         file.flush()
-        with silence():
-            picture = OpenImageIO.ImageInput.open(file.name)
-            pixels = picture.read_image("float") if picture else None
-            OpenImageIO.geterror()
-            if picture:
-                picture.geterror()
-                picture.close()
-    if pixels is None or np.ndim(pixels) != 3 or pixels.shape[:2] != (header.lines, header.across):
+        pixels = decoded(file.name, path)
+    if pixels.shape[:2] != (header.lines, header.across):
         raise broken(path)
     return pixels[..., :3]
 

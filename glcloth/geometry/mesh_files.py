@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import tomllib
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,7 +45,7 @@ def load_mesh(name_or_path: str | Path) -> Mesh:
     their transforms. Raises InputError for an unknown name or suffix and for a file that is missing, damaged, or holds
     no triangles, numbers that are not finite, or indices out of range.
     """
-    mesh, _ = _load(name_or_path, False)
+    mesh = _load(name_or_path, False)[0]
     if mesh.uv is None:
         warn(
             f"{name_or_path}: no usable UVs, so yarn 1 follows a projected world axis; add UVs to lay the cloth yourself"
@@ -61,28 +62,27 @@ def load_solid(name_or_path: str | Path) -> tuple[Mesh, np.ndarray]:
 
 def load_object(name_or_path: str | Path) -> tuple[Mesh, np.ndarray, tuple[Material, ...], np.ndarray]:
     """As `load_solid`, with the materials of the file and the number [T] of each triangle's among them."""
-    path = Path(name_or_path)
-    if not path.is_file() or path.suffix.lower() not in MESH_SUFFIXES:
-        mesh, colors = _load(name_or_path, True)
-        return mesh, colors, (Material(),), np.zeros(len(mesh.triangles), np.int32)
-    raw = read_mesh(path, True)
-    mesh, kept = assembled(raw, path.stem, str(path))
-    materials, material_of = raw.materials or (Material(),), raw.material_of
-    numbers = np.zeros(len(raw.triangles), np.int32) if material_of is None else material_of
-    return mesh, reflectances(raw, str(path))[kept], materials, numbers[kept]
+    mesh, colors, materials, material_of = _load(name_or_path, True)
+    assert colors is not None
+    numbers = np.zeros(len(mesh.triangles), np.int32) if material_of is None else material_of
+    return mesh, colors, materials or (Material(),), numbers
 
 
-def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | None]:
-    """A mesh and, if asked for, the reflectances [T, 3] of its triangles."""
+class _Loaded(NamedTuple):
+    """A mesh and, of an object, the reflectances [T, 3] of its triangles, its materials and the number [T] of each one's."""
+
+    mesh: Mesh
+    colors: np.ndarray | None = None
+    materials: tuple[Material, ...] = ()
+    material_of: np.ndarray | None = None
+
+
+def _load(name_or_path: str | Path, colored: bool) -> _Loaded:
+    """A mesh by name or file, and its looks if asked for."""
     path = path_of(name_or_path)
-    if str(name_or_path) in BUILTIN_MESHES and path.parent == Path("."):
-        mesh = _builtin(str(name_or_path))
-        return mesh, np.full((len(mesh.triangles), 3), GREY, np.float32)
     names = (*BUILTIN_MESHES, *BUILTIN_SOLIDS) if colored else BUILTIN_MESHES
-    if colored and str(name_or_path) == "stand" and path.parent == Path("."):
-        return _stand()
-    if colored and str(name_or_path) in SUPPORTS and path.parent == Path("."):
-        return SUPPORTS[str(name_or_path)]()
+    if str(name_or_path) in names and path.parent == Path("."):
+        return _builtin_with_colors(str(name_or_path))
     if not path.suffix and not path.exists():
         close = difflib.get_close_matches(str(name_or_path), names, 1)
         hint = f"did you mean {close[0]}?" if close else f"built in are {', '.join(names)}; or give a file"
@@ -96,10 +96,13 @@ def _load(name_or_path: str | Path, colored: bool) -> tuple[Mesh, np.ndarray | N
         )
     raw = read_mesh(path, colored)
     mesh, kept = assembled(raw, path.stem, str(path))
-    if any(mesh.origin):
+    if any(mesh.origin) and not colored:
         by = ", ".join(f"{0 - c:g}" for c in mesh.origin)
         warn(f"{path}: lies far from the origin, where numbers are too coarse; moved by {by} m")
-    return mesh, reflectances(raw, str(path))[kept] if colored else None
+    if not colored:
+        return _Loaded(mesh)
+    material_of = None if raw.material_of is None else raw.material_of[kept]
+    return _Loaded(mesh, reflectances(raw, str(path))[kept], tuple(raw.materials or ()), material_of)
 
 
 def read_mesh(path: Path, colored: bool = False) -> RawMesh:
@@ -133,6 +136,15 @@ def reflectances(raw: RawMesh, where: str) -> np.ndarray:
 def load_view(name: str) -> dict | None:
     """Return eye, target, up (3 numbers each, m) and fov_deg of a built-in mesh's camera, or None for other names."""
     return tomllib.loads((MESHES / "views.toml").read_text(encoding="utf-8")).get(name)
+
+
+def _builtin_with_colors(name: str) -> _Loaded:
+    if name == "stand":
+        return _Loaded(*_stand())
+    if name in SUPPORTS:
+        return _Loaded(*SUPPORTS[name]())
+    mesh = _builtin(name)
+    return _Loaded(mesh, np.full((len(mesh.triangles), 3), GREY, np.float32))
 
 
 def _builtin(name: str) -> Mesh:

@@ -81,12 +81,19 @@ def taken(mesh: Mesh, wanted: np.ndarray) -> Mesh:
 
 
 def joined(meshes: Sequence[Mesh]) -> Mesh:
-    """Several meshes as one, in their order; it has UVs where all of them have."""
+    """Several meshes as one, in their order; it has UVs where all of them have. Its parts' names end with their
+    mesh's own."""
     if len(meshes) == 1:
         return meshes[0]
     meshes = [relative_to(mesh, meshes[0].origin) for mesh in meshes]
     begins = np.cumsum([0] + [len(mesh.positions) for mesh in meshes])
     with_uv = all(mesh.uv is not None for mesh in meshes)
+    parts: list[Names] = []
+    part_of = []
+    for mesh in meshes:
+        own = np.zeros(len(mesh.triangles), np.int32) if mesh.part_of is None else mesh.part_of
+        part_of.append(own + len(parts))
+        parts += names_of(mesh)
     return Mesh(
         meshes[0].name,
         np.concatenate([mesh.positions for mesh in meshes]),
@@ -94,6 +101,8 @@ def joined(meshes: Sequence[Mesh]) -> Mesh:
         np.concatenate([mesh.normals for mesh in meshes]),
         np.concatenate([mesh.uv for mesh in meshes if mesh.uv is not None]) if with_uv else None,
         np.concatenate([mesh.tangents for mesh in meshes]),
+        parts=tuple(parts),
+        part_of=np.concatenate(part_of).astype(np.int32),
         origin=meshes[0].origin,
         scale=meshes[0].scale,
     )

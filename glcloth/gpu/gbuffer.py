@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -22,11 +22,16 @@ FRAMES = {"frame_N": 4, "frame_x": 4, "frame_p": 4, "frame_b": 2}  # of passes/p
 
 @dataclass(frozen=True, eq=False)
 class CutOut:
-    """Where a mesh is not: an opacity map, and the UVs of the vertices, of which `repeats` are one repeat of the map."""
+    """Where a mesh is not: the UVs of its vertices, and what passes/picture/surface.frag reads of an opacity map or a fabric
+    mask, or both."""
 
-    opacity: moderngl.TextureArray
     uv: TextureBuffer
-    repeats: tuple[float, float]
+    maps: Mapping[str, Any]
+
+    def defines(self) -> dict[str, int]:
+        """Which of the two there are."""
+        names = {"opacity_map": "OPENINGS", "mask_map": "FABRIC_MASK"}
+        return {"CUT_OUT": 1} | {define: 1 for name, define in names.items() if name in self.maps}
 
 
 class MeshBuffers:
@@ -180,7 +185,7 @@ class GBuffer:
     def _program(self, wanted: Drawn, nearer: moderngl.Texture | None, behind: moderngl.Texture | None) -> Draw:
         alone = not wanted.before and wanted.mesh.one_sided_from == len(wanted.mesh.mesh.triangles) and behind is None
         paths = "passes/picture/surface.vert", "passes/picture/surface.frag"
-        cut: dict[str, Any] = {} if wanted.mesh.cut_out is None else {"CUT_OUT": 1}
+        cut: dict[str, Any] = {} if wanted.mesh.cut_out is None else wanted.mesh.cut_out.defines()
         if alone:
             return _cut_out(programs(self.ctx).draw(*paths, cut), wanted)
         program = programs(self.ctx).draw(*paths, {"AMONG_OTHERS": 1} | ({} if behind is None else {"BEHIND": 1}) | cut)
@@ -308,10 +313,12 @@ class GBuffer:
 
 
 def _cut_out(program: Draw, wanted: Drawn) -> Draw:
-    """Give a program the opacity map of a mesh that has one; each sample has a threshold of its own, one alone a half."""
+    """Give a program the maps of a mesh that has some; each sample has a threshold of its own, one alone a half."""
     if (cut := wanted.mesh.cut_out) is not None:
-        threshold = max((0.5 + sum(wanted.offset)) % 1.0, 1e-3)
-        program.bind(opacity_map=cut.opacity, cut_uv=cut.uv, opacity_repeats=cut.repeats, opacity_threshold=threshold)
+        openings = {}
+        if "opacity_map" in cut.maps:
+            openings = {"opacity_threshold": max((0.5 + sum(wanted.offset)) % 1.0, 1e-3)}
+        program.bind(cut_uv=cut.uv, **cut.maps, **openings)
     return program
 
 

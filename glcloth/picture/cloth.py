@@ -26,7 +26,7 @@ from ..visibility.sheets import Passed, sees_through
 from ..visibility.vertices import FLAT
 from .adaptive import AdaptiveRate, Shown
 from .frame import Cloth, Frame
-from .openings import Opacity, OpacityTexture, open_last
+from .openings import CutTextures, mostly_closed, open_last
 from .pace import Pace
 from .prints import Print
 from .surface import Surface
@@ -40,6 +40,7 @@ class ClothSurface(Surface):
 
     method: Method
     transmission: Transmission | None = None
+    mask_number = 0  # which fabric of a mask it is; 0: that of its part
 
     def __init__(self, ctx: moderngl.Context):
         super().__init__(ctx, FLAT)
@@ -53,7 +54,7 @@ class ClothSurface(Surface):
         self._glare: Last[np.ndarray] = Last()
         self._print: tuple[Print, np.ndarray] | None = None
         self._open: Last[tuple[Mesh, int]] = Last()
-        self._opacity = OpacityTexture(ctx)
+        self._cut = CutTextures(ctx)
         self.adaptive_rate: AdaptiveRate | None = None
         self.threads = Threads(ctx)
 
@@ -81,7 +82,7 @@ class ClothSurface(Surface):
         self._narrowest = float(np.radians(min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in yarns)))
         mesh = self.original
         drawn = self._finer.get(lambda: subdivided(mesh), mesh) if finer else mesh
-        self._place(lambda: self._uploaded(drawn, mesh, cloth.opacity, scale), drawn, cloth.opacity, scale)
+        self._place(lambda: self._uploaded(drawn, mesh, cloth, scale), drawn, cloth.opacity, scale, cloth.mask)
         self._take_transmission(cloth.fabric, frame)
         self.threads.prepare(fabric, self.method, self.buffers, frame, self._print)
 
@@ -108,14 +109,25 @@ class ClothSurface(Surface):
 
     def _opened(self, cloth: Cloth, frame: Frame) -> tuple[Mesh, int | None, float]:
         """The mesh, how many of its triangles hide light, and what its UV unit is in the unit of its opacity map."""
-        if (opacity := cloth.opacity) is None:
-            return cloth.mesh, None, 1.0
-        scale = self.threads.unit(cloth.mesh, frame) if opacity.in_metres else 1.0
-        return *self._open.get(lambda: open_last(cloth.mesh, opacity, scale), cloth.mesh, opacity, scale), scale
+        opacity, mask, mesh = cloth.opacity, cloth.mask, cloth.mesh
+        self.mask_number = 0 if mask is None else mask.number
+        if opacity is None and mask is None:
+            return mesh, None, 1.0
+        scale = self.threads.unit(mesh, frame) if opacity is not None and opacity.in_metres else 1.0
 
-    def _uploaded(self, drawn: Mesh, original: Mesh, opacity: Opacity | None, scale: float) -> MeshBuffers:
+        def ordered() -> tuple[Mesh, int]:
+            hides = np.ones(len(mesh.triangles), bool)
+            if opacity is not None:
+                hides &= mostly_closed(mesh, opacity, scale)
+            return open_last(mesh, hides if mask is None else hides & mask.mostly(mesh))
+
+        return *self._open.get(ordered, mesh, opacity, scale, mask), scale
+
+    def _uploaded(self, drawn: Mesh, original: Mesh, cloth: Cloth, scale: float) -> MeshBuffers:
         lift = lift_off_facets(drawn, original) if drawn is not original else None
-        cut_out = None if opacity is None else self._opacity.cut_out(opacity, drawn, scale)
+        cut_out = None
+        if cloth.opacity is not None or cloth.mask is not None:
+            cut_out = self._cut.cut_out(drawn, cloth.opacity, scale, cloth.mask)
         return MeshBuffers(self.ctx, drawn, lift, cut_out=cut_out)
 
     @property

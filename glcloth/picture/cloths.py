@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from ..errors import InputError
@@ -14,18 +14,22 @@ from ..geometry.parts import chosen, grouped
 from ..geometry.placing import METRES, guessed_unit, placed
 from ..gpu.memo import Last
 from ..progress import warn
+from ..scene import MAPS
+from .masks import FabricMask, Masked, check_colors, mask_colors, split
 from .openings import Opacity
 from .prints import Print
+from .uv_scale import guessed_scale
 
 
 @dataclass(frozen=True, eq=False)
 class Cloth:
-    """One cloth of a frame: a mesh, its fabric, what is printed on that, and where it is cut out."""
+    """One cloth of a frame: a mesh, its fabric, what is printed on that, where it is cut out, and where a mask has it."""
 
     mesh: Mesh
     fabric: Fabric
     print: Print | None = None
     opacity: Opacity | None = None
+    mask: Masked | None = None
 
 
 def unit_of(names: Sequence[str], meshes: Sequence[Mesh], units: str) -> str:
@@ -51,49 +55,72 @@ class Dressing:
 
     def __init__(self) -> None:
         self._grouped: Last[list[tuple[int, Mesh]]] = Last()
+        self._split: dict[int, Last[list[tuple[int, Mesh, Masked]]]] = {}  # of each of those that has a mask
 
     def dress(
         self,
         meshes: tuple[Mesh, ...],
         fabric: Fabric,
         fabrics: Mapping[str, Fabric],
+        uv_scale: float = 0.0,
         prints: Mapping[str, Print] | None = None,
         opacities: Mapping[str, Opacity] | None = None,
+        masks: Mapping[str, FabricMask] | None = None,
     ) -> tuple[Cloth, ...]:
         """The cloths of meshes.
 
         Parameters
         ----------
         fabric : of the parts that nothing in `fabrics` names
-        fabrics : by patterns of parts' names
-        prints, opacities : likewise; "" stands for the parts that nothing names
+        fabrics : by patterns of parts' names, or by colours of the masks
+        prints, opacities, masks : likewise by parts; "" stands for the parts that nothing names
+        uv_scale : metres in a UV unit; 0: measured
 
-        Raises InputError for a pattern that fits no part, and for a map on a mesh without UVs.
+        Raises InputError for a pattern that fits no part, a colour that no mask has, and a map on a mesh without UVs.
         """
+        colors = mask_colors(fabrics)
+        check_colors(masks or {}, colors)
+        of_colors = [fabrics[color] for color in colors]
+        fabrics = {part: one for part, one in fabrics.items() if part not in colors}
         wardrobe = [fabric, *fabrics.values()]
         # Equal fabrics are one: the first of them.
         first = [next(i for i, other in enumerate(wardrobe) if other is one or other == one) for one in wardrobe]
         worn = [[first[n + 1] for n in of] for of in chosen(meshes, list(fabrics))]
         printed, prints_of = _named(meshes, prints or {}, "prints")
         opened, opacities_of = _named(meshes, opacities or {}, "opacities")
-        kinds = list(
-            dict.fromkeys(kind for of in zip(worn, printed, opened, strict=True) for kind in zip(*of, strict=True))
-        )
-        groups = tuple(
-            tuple(kinds.index(kind) for kind in zip(*of, strict=True)) for of in zip(worn, printed, opened, strict=True)
-        )
+        masked, masks_of = _named(meshes, masks or {}, "fabric_masks")
+        looks = [list(zip(*of, strict=True)) for of in zip(worn, printed, opened, masked, strict=True)]
+        kinds = list(dict.fromkeys(kind for of in looks for kind in of))
+        groups = tuple(tuple(map(kinds.index, of)) for of in looks)
         pieces = self._grouped.get(lambda: grouped(meshes, groups), meshes, groups)
         cloths = []
-        for number, mesh in pieces:
-            dress, design, openings = kinds[number]
-            cloths.append(Cloth(mesh, wardrobe[dress], prints_of[design], opacities_of[openings]))
-        for one in cloths:
-            if one.mesh.uv is None and (one.print or one.opacity):
+        for place, (number, mesh) in enumerate(pieces):
+            dress, design, openings, mask = kinds[number]
+            one = Cloth(mesh, wardrobe[dress], prints_of[design], opacities_of[openings])
+            found = [name for name, of in zip(MAPS, (one.print, one.opacity, masks_of[mask]), strict=True) if of]
+            if mesh.uv is None and found:
                 raise InputError(
-                    f"{'print' if one.print else 'opacity'}: mesh {one.mesh.name} has no UVs, expected some; unwrap it, or name "
-                    "the parts that have them: PART=FILE"
+                    f"{found[0]}: mesh {mesh.name} has no UVs, expected some; unwrap it, or name the parts that have them: "
+                    "PART=FILE"
                 )
+            if masks_of[mask] is None:
+                cloths.append(one)
+            else:
+                cloths += self._masked(one, place, masks_of[mask], colors, of_colors, uv_scale)
         return tuple(cloths)
+
+    def _masked(
+        self, cloth: Cloth, place: int, mask: FabricMask, colors: list[str], fabrics: list[Fabric], uv_scale: float
+    ) -> list[Cloth]:
+        """A cloth, number `place`, as one for each fabric of a mask; its own where the mask has none of the colours."""
+
+        def pieces() -> list[tuple[int, Mesh, Masked]]:
+            scale = (uv_scale or guessed_scale(cloth.mesh)) if mask.in_metres else 1.0
+            return split(cloth.mesh, mask, colors, scale)
+
+        made = self._split.setdefault(place, Last()).get(pieces, cloth.mesh, mask, tuple(colors), uv_scale)
+        worn = [cloth.fabric, *fabrics]
+        return [replace(cloth, mesh=mesh, fabric=worn[number], mask=of) for number, mesh, of in made]
 
 
 def _named(meshes: tuple[Mesh, ...], maps: Mapping[str, Any], what: str) -> tuple[list[list[int]], list[Any]]:

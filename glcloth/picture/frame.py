@@ -29,8 +29,15 @@ from ..place import split_place
 from ..scene import MAPS, Scene, View, load_scene
 from ..visibility.pixels import is_next_pose
 from .cloths import Cloth, Dressing, in_metres, unit_of
+from .masks import load_mask
 from .openings import load_opacity
 from .prints import load_print
+
+MAP_LOADERS: dict[str, Callable[[Any], Any]] = {
+    "print": load_print,
+    "opacity": load_opacity,
+    "fabric_mask": load_mask,
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,8 +163,8 @@ class Frames:
         """The cloths of a scene, or ones with another fabric where it names none for a part."""
         of_parts = {part: self.fabric(one) for part, one in scene.fabrics.items()}
         own = self.fabric(scene.fabric if fabric is None else fabric)
-        maps = [self._maps(scene, field, load) for field, load in (("print", load_print), ("opacity", load_opacity))]
-        return self._dressing.dress(meshes, own, of_parts, *maps)
+        maps = [self._maps(scene, field, load) for field, load in MAP_LOADERS.items()]
+        return self._dressing.dress(meshes, own, of_parts, scene.uv_scale, *maps)
 
     def _maps(self, scene: Scene, field: str, load: Callable[[Any], Any]) -> dict[str, Any]:
         """The maps of a field by the parts that have them, "" for the others; the last one of each is kept until it or its

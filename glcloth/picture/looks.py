@@ -15,8 +15,10 @@ from ..geometry.raw import Material
 from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.pictures import even_size, picture_array, resampled
+from ..twins.gloss import gaussian_gloss_albedo, gloss_albedo
 
 TAPS = 8.0  # places at which a pixel reads a picture
+ALBEDO_SIDE = 24  # texels a side of the table of what gloss reflects
 MOST_TEXELS = 1 << 24  # of all pictures together, 128 MiB
 
 
@@ -28,6 +30,7 @@ class Looks:
         self.glossy = False  # whether any object needs that pass
         self._data, self._uv = TextureBuffer(ctx, 32), TextureBuffer(ctx, 16)
         self._pictures: moderngl.TextureArray | None = None
+        self._albedo: moderngl.Texture | None = None
 
     def take(self, objects: Objects, shares: Sequence[int], uvs: Sequence[np.ndarray], triangles: int) -> None:
         """Take other objects.
@@ -63,6 +66,8 @@ class Looks:
             first += count
         if objects.ground is not None:
             rows[first:, 0, :3] = objects.ground.color
+        if self._albedo is None:
+            self._albedo = _albedo_table(self.ctx)
         self._data.write(rows)
         self._write_uv(uvs)
         self._put(pictures)
@@ -86,6 +91,7 @@ class Looks:
         return {
             "look_data": self._data,
             "base_pictures": self._pictures,
+            "gloss_albedo": self._albedo,
             "look_taps": TAPS,
             "thread_points": mesh.vertices,
             "thread_corners": mesh.indices,
@@ -93,6 +99,17 @@ class Looks:
             "viewpoint": buffer.drawn.camera.viewpoint,
             "step_from_pixel": buffer.drawn.camera.step_from_pixel(buffer.size),
         }
+
+
+def _albedo_table(ctx: moderngl.Context) -> moderngl.Texture:
+    """What inputs/picture/gloss.glsl reads: the shares of light that leave after one reflection, of directions and of Gaussians,
+    for cosines t^2 along x and roughnesses along y, both from 0 to 1."""
+    t, roughness = (axis.ravel() for axis in np.meshgrid(*2 * [np.linspace(0.0, 1.0, ALBEDO_SIDE)]))
+    shares = np.stack([gloss_albedo(t**2, roughness**2, 48), gaussian_gloss_albedo(t**2, roughness**2)], -1)
+    table = ctx.texture((ALBEDO_SIDE, ALBEDO_SIDE), 2, shares.astype("f4").tobytes(), dtype="f4")
+    table.filter = moderngl.LINEAR, moderngl.LINEAR
+    table.repeat_x = table.repeat_y = False
+    return table
 
 
 def is_matt(material: Material) -> bool:

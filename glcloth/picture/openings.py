@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -15,6 +16,7 @@ from ..gpu.gbuffer import CutOut
 from ..gpu.pictures import even_size, picture_array, resampled
 from ..image import decode_codes, read_image
 from ..scene import ClothMap
+from .masks import Masked
 from .prints import texel_means
 
 PLACES = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [4, 4, 4]]) / np.array([[4], [4], [4], [12]])
@@ -50,34 +52,47 @@ def load_opacity(entry: ClothMap) -> Opacity:
     return Opacity(shares, (entry.repeat, height), entry.unit == "m")
 
 
-def open_last(mesh: Mesh, opacity: Opacity, scale: float) -> tuple[Mesh, int]:
-    """The mesh with its open triangles behind the others, and how many those others are, one at least.
-
-    Rays know no map: a triangle hides light wholly where more than half of it is closed, else not at all.
-    """
+def mostly_closed(mesh: Mesh, opacity: Opacity, scale: float) -> np.ndarray:
+    """The triangles [T] of which more than half is closed. Rays know no map: these hide light wholly, others not at all."""
     assert mesh.uv is not None
     uv = np.nan_to_num(np.asarray(mesh.uv, float)[mesh.triangles]) * (scale / np.array(opacity.repeat))
-    closed = texel_means(opacity.shares, np.einsum("kc,tcd->ktd", PLACES, uv))[..., 0].mean(0)
-    order = np.argsort(closed <= 0.5, kind="stable")
+    return texel_means(opacity.shares, np.einsum("kc,tcd->ktd", PLACES, uv))[..., 0].mean(0) > 0.5
+
+
+def open_last(mesh: Mesh, hides: np.ndarray) -> tuple[Mesh, int]:
+    """The mesh with the triangles [T] that hide no light behind the others, and how many those others are, one at least."""
+    order = np.argsort(~hides, kind="stable")
     part_of = None if mesh.part_of is None else mesh.part_of[order]
-    count = max(int((closed > 0.5).sum()), 1)
-    return replace(mesh, triangles=mesh.triangles[order], part_of=part_of), count
+    return replace(mesh, triangles=mesh.triangles[order], part_of=part_of), max(int(hides.sum()), 1)
 
 
-class OpacityTexture:
-    """An opacity map on the GPU, as passes/picture/surface.frag reads it with the UVs of one mesh."""
+class CutTextures:
+    """An opacity map and a fabric mask on the GPU, as passes/picture/surface.frag reads them with the UVs of one mesh."""
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
         self._uv = TextureBuffer(ctx, 16)
         self._texture: moderngl.TextureArray | None = None
+        self._numbers: moderngl.Texture | None = None
 
-    def cut_out(self, opacity: Opacity, mesh: Mesh, scale: float) -> CutOut:
-        """Take a map and a mesh, whose UV unit is `scale` of the repeat's."""
+    def cut_out(self, mesh: Mesh, opacity: Opacity | None, scale: float, mask: Masked | None) -> CutOut:
+        """Take the maps of a mesh, whose UV unit is `scale` of the opacity map's repeat."""
         assert mesh.uv is not None
-        if self._texture is not None:
-            self._texture.release()
-        size = even_size(*opacity.shares.shape[:2])
-        self._texture = picture_array(self.ctx, resampled(opacity.shares, size)[None])
+        for old in (self._texture, self._numbers):
+            if old is not None:
+                old.release()
+        self._texture = self._numbers = None
         self._uv.write(np.pad(mesh.uv, ((0, 0), (0, 2))).astype("f4"))
-        return CutOut(self._texture, self._uv, (scale / opacity.repeat[0], scale / opacity.repeat[1]))
+        found: dict[str, Any] = {}
+        if opacity is not None:
+            size = even_size(*opacity.shares.shape[:2])
+            self._texture = picture_array(self.ctx, resampled(opacity.shares, size)[None])
+            repeats = scale / opacity.repeat[0], scale / opacity.repeat[1]
+            found = {"opacity_map": self._texture, "opacity_repeats": repeats}
+        if mask is not None:
+            height, width = mask.numbers.shape
+            self._numbers = self.ctx.texture((width, height), 1, mask.numbers.tobytes(), alignment=1, dtype="u1")
+            self._numbers.filter = moderngl.NEAREST, moderngl.NEAREST
+            repeats = 1.0 / mask.repeat[0], 1.0 / mask.repeat[1]
+            found |= {"mask_map": self._numbers, "mask_repeats": repeats, "mask_number": mask.number}
+        return CutOut(self._uv, found)

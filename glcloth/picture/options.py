@@ -7,12 +7,12 @@ from typing import Any
 
 from ..errors import InputError
 from ..fields import entries
-from ..scene import MAPS, CurtainParameters, OpacityMap, PrintMap, Scene, View
+from ..scene import MAPS, CurtainParameters, FabricMaskMap, OpacityMap, PrintMap, Scene, View
 
 LOOK = ("repeat", "unit", "space")  # how a map lies, each an option of its own behind the map's
 OPTIONS = frozenset(e.name for model in (Scene, View, CurtainParameters) for e in entries(model) if e.option) | {
     f"{field}_{name}"
-    for field, model in (("print", PrintMap), ("opacity", OpacityMap))
+    for field, model in (("print", PrintMap), ("opacity", OpacityMap), ("fabric_mask", FabricMaskMap))
     for name in LOOK
     if name in model.model_fields
 }
@@ -81,7 +81,8 @@ def _maps(field: str, changes: dict[str, Any], scene: Scene) -> dict[str, Any]:
     `changes`, are those of all these files, or of the scene's own."""
     given = changes.pop(field, [])
     look = {name: changes.pop(f"{field}_{name}") for name in LOOK if f"{field}_{name}" in changes}
-    of_all, of_parts = _of_parts(field, given, "Skirt=roses.png")
+    option = field.replace("_", "-")
+    of_all, of_parts = _of_parts(option, given, "Skirt=roses.png")
     own = getattr(scene, field)
     out: dict[str, Any] = {} if of_all is None else {field: {"file": of_all, **look}}
     if of_parts:
@@ -89,6 +90,6 @@ def _maps(field: str, changes: dict[str, Any], scene: Scene) -> dict[str, Any]:
         out[MAPS[field]] = {**getattr(scene, MAPS[field]), **named}
     if look and not out:
         if own is None:
-            raise InputError(f"--{field}-{next(iter(look))}: there is no {field}; give --{field} FILE too")
+            raise InputError(f"--{option}-{next(iter(look))}: there is no {option}; give --{option} FILE too")
         out[field] = own.changed(**look)
     return out

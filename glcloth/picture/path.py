@@ -34,8 +34,10 @@ def check_path(frame: Frame) -> None:
     scene = frame.scene
     if scene.shadows != "full":
         raise InputError(f"method path: shadows {scene.shadows}, but rays always meet what is there; leave it out")
-    if any(cloth.print or cloth.opacity for cloth in frame.cloths):
-        raise InputError("method path: prints and openings are not for it; leave them out, or take method direct")
+    if any(cloth.print or cloth.opacity or cloth.mask for cloth in frame.cloths):
+        raise InputError(
+            "method path: prints, openings and fabric masks are not for it; leave them out, or take method direct"
+        )
     objects = frame.objects
     if objects is None:
         return

@@ -28,6 +28,7 @@ from .frame import Frame, Frames
 from .layers import Gathering, Layers, chosen
 from .pace import Pace
 from .path import PathPictures
+from .picked import Picked, pick
 from .stage import Stage
 from .surface import Surface
 from .target import Target, Targets
@@ -342,6 +343,13 @@ class Renderer:
     def gbuffer(self) -> GBuffer:
         """The G-buffer of the first cloth in the last draw."""
         return self.target.part(self.stage.cloths[0]).buffer
+
+    def pick(self, x: float, y: float) -> Picked | None:
+        """The part of the cloth at a place of the last picture, from 0 to 1 from its top left corner; None: no cloth, or the
+        picture is by method path, which keeps no G-buffer."""
+        self._check()
+        by_path = isinstance(self._last, Frame) and self._last.scene.method == "path"
+        return None if by_path or self._target is None else pick(self.target, self.stage.cloths_in_frame, x, y)
 
     def path_sums(self) -> PathSums:
         """Of the last picture by method `path`: its samples, light, standard error and noise. Raises InputError for another."""

@@ -23,6 +23,33 @@ def F_color(F_0, cos_theta):
     return F_0 + (1 - F_0) * ((1 - np.clip(cos_theta, 0, 1)) ** 5)[..., None]
 
 
+def F_repeated(F_0, albedo):
+    return 1 + F_0 * (1 / np.maximum(albedo, 1e-3) - 1)[..., None]
+
+
+def gloss_albedo(cos_o, alpha, n=64):
+    """The share [...] of light that leaves GGX after one reflection where F is 1: the integral of f_gloss, over n * n normals
+    by their own distribution."""
+    a = np.maximum(alpha, ALPHA_LEAST)[..., None, None]
+    cos_o = np.maximum(cos_o, 1e-3)[..., None, None]
+    u = (np.arange(n) + 0.5) / n
+    cos_h = np.sqrt((1 - u) / (1 + (a**2 - 1) * u))[..., :]
+    cos_oh = np.sqrt(1 - cos_o**2) * np.sqrt(1 - cos_h**2) * np.cos(2 * np.pi * u)[:, None] + cos_o * cos_h
+    cos_i = 2 * cos_oh * cos_h - cos_o
+    seen = (cos_i > 0) & (cos_oh > 0)
+    lit = np.maximum(cos_i, 0)
+    return np.where(seen, V_smith(lit, cos_o, a) * lit * 4 * cos_oh / cos_h, 0).mean((-1, -2))
+
+
+def gaussian_gloss_albedo(cos_o, alpha):
+    """As gloss_albedo, of gloss_of_gaussian: its radiance [...] in even light of 1."""
+    cos_o = np.maximum(cos_o, 1e-3)
+    omega_o = np.stack([np.sqrt(1 - cos_o**2), 0 * cos_o, cos_o], -1)
+    up = np.broadcast_to([0.0, 0.0, 1.0], omega_o.shape)
+    even = np.full(cos_o.shape, 1e-4)
+    return gloss_of_gaussian(up, up, even, omega_o, np.ones(omega_o.shape), alpha)[..., 0]
+
+
 def f_gloss(N, omega_i, omega_o, F_0, alpha):
     a = np.maximum(alpha, ALPHA_LEAST)
     cos_i, cos_o = _dot(N, omega_i), np.maximum(_dot(N, omega_o), 1e-3)

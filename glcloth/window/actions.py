@@ -11,10 +11,12 @@ import moderngl
 import numpy as np
 
 from ..geometry.camera import Camera
-from ..geometry.parts import names_of
+from ..geometry.parts import fit, names_of
+from ..geometry.raw import Names
 from ..gpu.memo import Last
 from ..light.fit import FitReport
-from ..picture.threads import guessed_scale
+from ..picture.masks import mask_colors
+from ..picture.uv_scale import guessed_scale
 from ..scene import View
 from . import orbit
 from .curtain import Player
@@ -196,6 +198,30 @@ class Actions:
             return None
         scale = self.session.scene.uv_scale or self._scale.get(lambda: guessed_scale(mesh), mesh)
         return glass_at(mesh, self.camera, self.session.shown.size, x, y, scale)
+
+    def pick(self, x: float, y: float) -> None:
+        """Edit the fabric of what is at a place of the picture, from 0 to 1 from its top left corner: a part, or a colour of
+        its fabric mask."""
+        session = self.session
+        found = None if session.in_curtain else self._drawing.refiner.renderer.pick(x, y)
+        if found is None or not (self.parts or session.scene.fabrics):
+            return
+        patterns = [name for name in session.scene.fabrics if name not in mask_colors(session.scene.fabrics)]
+        if found.mask:
+            part = mask_colors(session.scene.fabrics)[found.mask - 1]
+        else:
+            names = self._names(found.names)
+            fits = [(how, name) for name in patterns if (how := fit(name, names))]
+            part = max(fits)[1] if fits else names[0]
+        session.pick_part(part)
+
+    def _names(self, part: Names) -> Names:
+        """All names of a part of the meshes."""
+        meshes = [mesh for ready in self._drawing.ready if ready is not None for mesh in ready.meshes]
+        known = [names for mesh in meshes for names in names_of(mesh)]
+        return next((names for names in known if names == part), None) or next(
+            (names for names in known if names[:-1] == part), part or ("",)
+        )
 
     def toggle_play(self) -> None:
         """Let the wind blow, or stop it."""

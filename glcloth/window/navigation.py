@@ -16,6 +16,8 @@ from .host import Typed
 
 SPLIT_REACH = 8  # points to either side of the split that take hold of it
 
+STILL = 2  # points that the mouse may move in a click
+
 
 class Navigation:
     """Turns mouse and keys over the picture into moves and edits."""
@@ -24,6 +26,7 @@ class Navigation:
         self.actions, self.files, self.session = actions, files, actions.session
         self.drag: str | None = None
         self._held = 0  # the mouse button that drags
+        self._moved = 0.0  # pixels since it was pressed
 
     # -- the mouse ---------------------------------------------------------------------------------------------------
 
@@ -33,23 +36,29 @@ class Navigation:
         if not self.actions.shows_something:
             return
         points_to_pixels = io.display_framebuffer_scale.x
-        left, _, width, height = self.actions.layout.rectangle()
+        left, bottom, width, height = self.actions.layout.rectangle()
         mouse_x = io.mouse_pos.x * points_to_pixels
         inside = not io.want_capture_mouse
         if self.drag is not None:
             # The motion of a picture comes before its release, which would otherwise swallow it.
-            self._dragged(io.mouse_delta.x * points_to_pixels, io.mouse_delta.y * points_to_pixels, height)
+            dx, dy = io.mouse_delta.x * points_to_pixels, io.mouse_delta.y * points_to_pixels
+            self._moved += abs(dx) + abs(dy)
+            self._dragged(dx, dy, height)
             if self.drag == "split":
                 share = float(np.clip((mouse_x - left) / width, 0.0, 1.0))
                 self.session.compare(self.session.document.compare, "split", split=share)
             if not imgui.is_mouse_down(self._held):
+                if self.drag == "orbit" and self._moved <= STILL * self.actions.layout.scale:
+                    top = io.display_size.y * points_to_pixels - bottom - height
+                    y = (io.mouse_pos.y * points_to_pixels - top) / height
+                    self.actions.pick((mouse_x - left) / width, y)
                 self.drag = None
                 self.session.end_gesture()
         elif inside:
             for button in (0, 1, 2):
                 if imgui.is_mouse_clicked(button):
                     self.drag = self._kind(button, io.key_shift, mouse_x, left, width)
-                    self._held = button
+                    self._held, self._moved = button, 0.0
         if inside and io.mouse_wheel:
             self.actions.zoom(0.9**io.mouse_wheel)
         if not io.want_text_input:

@@ -363,6 +363,7 @@ class Panels(Panel):
 
 KEYS = (
     ("left drag", "orbit"),
+    ("left click", "edit the fabric of the part that is there"),
     ("middle, Shift+left drag", "pan"),
     ("wheel", "zoom"),
     ("right drag", "turn the environment"),

@@ -24,7 +24,7 @@ from ..methods import registry
 from ..picture.frame import Frame, default_camera
 from ..picture.renderer import Renderer
 from ..picture.warm_up import warm_up
-from ..scene import Scene
+from ..scene import MAPS, Scene
 from ..visibility.vertices import FEWEST
 from .clock import now, timed
 from .pictures import Targets
@@ -39,7 +39,7 @@ HALF_FROM = 0.8  # seconds of full size from which something quicker comes first
 SLICE = 0.016  # seconds of work that is not split further, between two looks
 COPY = "passes/window/refine.frag"
 # A scene that names no part and no map of its mesh.
-OF_PARTS: dict[str, Any] = {"fabrics": {}, "print": None, "prints": {}, "opacity": None, "opacities": {}}
+OF_PARTS: dict[str, Any] = {"fabrics": {}} | {name: None for name in MAPS} | {name: {} for name in MAPS.values()}
 NOT_LIGHT = ("exposure", "view_transform", "ocio", "display", "ocio_view", "bookmarks")  # how a picture is shown
 
 

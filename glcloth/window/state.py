@@ -22,6 +22,8 @@ SHARED = (
     "prints",
     "opacity",
     "opacities",
+    "fabric_mask",
+    "fabric_masks",
     "units",
     "objects",
     "ground",
@@ -111,6 +113,7 @@ class Session:
         self._redo: list[Document] = []
         self._gesture: str | None = None
         self._part = ""
+        self._picked: tuple = ()  # a part without a fabric of its own that is edited, and the mesh it is of
         self._fabrics: dict[str, Fabric] = {}
 
     # -- reading -----------------------------------------------------------------------------------------------------
@@ -136,18 +139,20 @@ class Session:
     @property
     def fabric(self) -> Fabric:
         """The fabric of the scene that is shown (side A) as it is now: that of the part that is edited."""
-        return self.resolve(self.scene.fabrics[self.part] if self.part else self.shown.fabric)
+        return self.resolve(self.scene.fabrics.get(self.part, self.scene.fabric) if self.part else self.shown.fabric)
 
     @property
     def part(self) -> str:
-        """The part whose fabric is edited, a key of the scene's `fabrics`; "": all cloth that has none of its own."""
-        return self._part if not self.in_curtain and self._part in self.scene.fabrics else ""
+        """The part whose fabric is edited, a key of the scene's `fabrics` or to be one; "": all cloth that has none of its
+        own."""
+        known = self._part in self.scene.fabrics or self._picked == (self._part, self.scene.mesh)
+        return self._part if known and not self.in_curtain else ""
 
     @property
     def chosen(self) -> str | Fabric:
         """The fabric that resets go back to, as it was chosen."""
         if self.part:
-            return self.document.origins.get(self.part, self.scene.fabrics[self.part])
+            return self.document.origins.get(self.part, self.scene.fabrics.get(self.part, self.document.origin))
         return self.document.curtain_origin if self.in_curtain else self.document.origin
 
     @property
@@ -274,6 +279,11 @@ class Session:
         if part and part not in self.scene.fabrics:
             self.apply(self._dressed(part, self.scene.fabric, origin=self.document.origin))
 
+    def pick_part(self, part: str) -> None:
+        """As `choose_part`, but a part that has no fabric of its own gets one only when that is edited."""
+        self.end_gesture()
+        self._part, self._picked = part, (part, self.scene.mesh)
+
     def _dressed(self, part: str, fabric: str | Fabric, **origin) -> Document:
         """The document with another fabric for a part."""
         scene = self._changed(self.scene, {"fabrics": {**self.scene.fabrics, part: fabric}})
@@ -289,6 +299,8 @@ class Session:
     def _take_fabric(self, fabric: str | Fabric, gesture: str | None = None, **origin) -> None:
         name = "curtain" if self.in_curtain else "scene"
         if self.part:
+            if self.part not in self.scene.fabrics and not origin:
+                origin = {"origin": self.document.origin}
             self.apply(self._dressed(self.part, fabric, **origin), gesture)
             return
         scene = self.shown.model_copy(update={"fabric": fabric})

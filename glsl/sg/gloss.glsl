@@ -19,6 +19,12 @@ vec3 F_color(vec3 F_0, float cos_theta) {
     return F_0 + (vec3(1.0) - F_0) * pow5(1.0 - clamp(cos_theta, 0.0, 1.0));
 }
 
+// [Turquin 2019, "Practical multiple scattering compensation for microfacet models", Eq. 16]  What a rough surface gives back
+// over what it does after one reflection, of which a share `albedo` leaves where F is 1.
+vec3 F_repeated(vec3 F_0, float albedo) {
+    return vec3(1.0) + F_0 * (1.0 / max(albedo, 1e-3) - 1.0);
+}
+
 // [Walter 2007, Eq. 20, 33]  f_r cos_i of GGX with reflectance F_0 at normal incidence: radiance toward omega_o per
 // irradiance perpendicular to light from omega_i. The half vector's sine, not 1 - cos^2, which has no digits for a mirror.
 vec3 f_gloss(vec3 N, vec3 omega_i, vec3 omega_o, vec3 F_0, float alpha) {

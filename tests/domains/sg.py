@@ -66,7 +66,8 @@ DOMAINS = {
 SPECIAL = {
     ("gaussian_direction", "u"): lambda rng, count: rng.random((count, 2)),
     ("gaussian_pdf", "value"): between(0.0, 1.0),
-    **{(name, "F_0"): _three(0.0, 1.0) for name in ("F_color", "f_gloss", "gloss_of_gaussian")},
+    **{(name, "F_0"): _three(0.0, 1.0) for name in ("F_color", "F_repeated", "f_gloss", "gloss_of_gaussian")},
+    ("F_repeated", "albedo"): between(0.05, 1.0),
     ("F_color", "cos_theta"): between(-0.1, 1.0),
     ("gloss_of_gaussian", "sharpness"): log_between(0.1, 1e3),
     ("theta_gaussians", "theta_k"): between(-HALF, HALF, 0.0),

@@ -15,7 +15,7 @@ from glcloth.image import decode_codes, write_image
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.cloths import Cloth
 from glcloth.picture.openings import load_opacity
-from glcloth.scene import OpacityMap, PrintMap, Scene, load_scene, save_scene
+from glcloth.scene import FabricMaskMap, OpacityMap, PrintMap, Scene, load_scene, save_scene
 
 INK = (0.7, 0.3, 0.1)
 SIZE = (48, 40)
@@ -192,6 +192,70 @@ def test_open_cloth_casts_no_shadow(renderer, tmp_path):
     assert (below[12:28, 12:18] > 0.0).all()
 
 
+# -- fabric masks --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", ["direct", "reference", "paper"])
+def test_each_half_of_a_mask_has_the_bits_of_its_fabric(renderer, tmp_path, method):
+    """The mask's left half is blue, its right half white, which has no fabric of its own."""
+    mask = texture(tmp_path, np.repeat(np.repeat([[(0, 0, 1), (1, 1, 1)]], 4, 0), 4, 1))
+    look = {"mesh": board(), "camera": FRONT, "size": (40, 8), "background": False, "shadows": "off", "method": method}
+    look |= {"cube": 6, "grid": 8}
+    linen, velvet = (renderer.render(fabric=name, **look) for name in ("linen", "velvet"))
+    shown = renderer.render(fabric="linen", fabrics={"#00f": "velvet"}, fabric_mask=mask, **look)
+    assert np.array_equal(shown[:, :20], velvet[:, :20]) and np.array_equal(shown[:, 20:], linen[:, 20:])
+    assert np.abs(velvet - linen)[..., :3].max() > 0.05
+    if method == "direct":
+        masked = {"fabrics": {"#00f": "velvet"}, "fabric_masks": {"board": mask}}
+        layers = renderer.render(fabric="linen", **masked, **look, aovs="cryptomatte")
+        assert layers.names["CryptoMaterial"] == [load_fabric(name).name for name in ("linen", "velvet")]
+
+
+@pytest.mark.parametrize(("repeat", "unit"), [(0.5, "uv"), (1.0, "m")])
+def test_the_fabrics_of_a_fine_mask_leave_no_gap_and_keep_its_shares(renderer, tmp_path, repeat, unit):
+    """Texels of noise in three colours, some finer than the pixels: all is covered, and each fabric by its share. The board is
+    a UV unit and two metres wide."""
+    rng = np.random.default_rng(3)
+    which = rng.choice(3, (24, 24), p=(0.5, 0.3, 0.2))
+    mask = {"file": texture(tmp_path, np.eye(3)[which]), "repeat": repeat, "unit": unit}
+    colors = {"#ff0000": load_fabric("linen"), "#00ff00": load_fabric("velvet"), "#0000ff": load_fabric("flannel")}
+    look = {"mesh": board(8), "camera": FRONT, "size": (12, 12), "background": False, "shadows": "off", "spp": 6}
+    layers = renderer.render(fabric="silk_shot", fabrics=colors, fabric_mask=mask, aovs="cryptomatte", **look)
+    np.testing.assert_allclose(layers["beauty"][..., 3], 1.0, atol=1e-6)
+    pairs = layers["CryptoMaterial"].reshape(144, -1, 2)
+    shares = sorted(pairs[..., 1][pairs[..., 0] == value].sum() / 144 for value in np.unique(pairs[..., 0]) if value)
+    np.testing.assert_allclose(shares, sorted((which == n).mean() for n in range(3)), atol=0.03)
+
+
+def test_each_place_of_a_mask_casts_the_shadow_of_its_fabric(renderer, tmp_path):
+    """A sheet of four cells over a sheet, by a mask sheer on its left: there light comes through it, and nowhere else."""
+    low, high = board(8, 1), board(2, 1)
+    high = high.moved(0.7 * high.positions + np.array([0.0, 0.5, 0.0], "f4"))
+    mask = texture(tmp_path, np.repeat(np.repeat([[(1, 0, 0), (0, 1, 0)]], 8, 0), 4, 1))
+    slanting = Suns(np.array([[0.0, 1.0, -0.8]]) / np.sqrt(1.64), np.full((1, 3), 3.0))
+    sun = Lights(SphericalGaussians(np.array([[0.0, 1.0, 0.0]]), np.array([2.0]), np.full((1, 3), 0.01)), slanting)
+    look = {
+        "camera": OVERHEAD,
+        "size": (24, 24),
+        "background": False,
+        "shadows": "sun",
+        "threads": False,
+        "lights": sun,
+    }
+    cloths = {"mesh": [low, high], "fabric": "linen"}
+    fabrics = {"#f00": "sheer_voile", "#0f0": "linen"}
+    shown = renderer.render(**look, **cloths, fabrics=fabrics, fabric_mask=mask)[..., 1]
+    assert len(renderer.stage.cloths_in_frame) == 2
+    # What is picked on the upper sheet's left is a place of the mask.
+    left_side, right_side = (renderer.pick(x, 0.5) for x in (0.4, 0.6))
+    assert (left_side.mask, right_side.mask) == (1, 2) and left_side.names == ("board",)
+    # Below the upper sheet's edge (0.7) there is its shadow; the lower sheet has the mask, too, but each half its own fabric.
+    bare = renderer.render(**look, mesh=low, fabric="linen", fabrics=fabrics, fabric_mask=mask)[..., 1]
+    left = shown[21:23, 6:10] / bare[21:23, 6:10]
+    right = shown[21:23, 14:18] / bare[21:23, 14:18]
+    assert 0.3 < left.min() and left.max() < 0.9 and right.max() < 0.05
+
+
 # -- from files and options ----------------------------------------------------------------------------------------------
 
 
@@ -228,3 +292,24 @@ def test_maps_that_cannot_be_are_one_line(renderer, tmp_path):
     bare = Mesh.from_arrays(board().positions, board().triangles, name="bare")
     with pytest.raises(InputError, match="print: mesh bare has no UVs"):
         renderer.render(print=inks(tmp_path), **look | {"mesh": bare})
+
+
+def test_fabric_masks_from_options_and_files(renderer, tmp_path, capsys):
+    scene = scene_of(None, SceneOptions(fabric=["linen", "#f00=velvet"], fabric_mask=["m.png"], fabric_mask_repeat=0.5))
+    assert scene.fabrics == {"#f00": "velvet"} and scene.fabric_mask == FabricMaskMap(file="m.png", repeat=0.5)
+    texture(tmp_path, np.repeat([[(1.0, 0.0, 0.0), (0.0, 0.0, 0.0)]], 2, 0), "m.exr")
+    (tmp_path / "s.toml").write_text('fabric_mask = "m.exr"\nmesh = "sphere"\n[fabrics]\n"#FF0000" = "velvet"\n')
+    scene = load_scene(tmp_path / "s.toml")
+    assert Scene.parse(scene.stored()) == scene and scene.fabric_mask.file == str(tmp_path / "m.exr")
+    look = {"size": (8, 8), "shadows": "off"}
+    renderer.render(scene, **look)
+    for changes, said in (
+        ({"fabrics": {}}, "no colour has a fabric, and the picture has #000000, #ff0000"),
+        ({"fabrics": {"#00ff00": "velvet"}}, "no place of the fabric mask has the colour #00ff00"),
+        ({"fabric_mask": None}, "#FF0000 is a colour of a fabric mask, and there is none"),
+        ({"fabrics": {"#12345": "velvet"}}, "expected a colour such as #ff0000"),
+        ({"method": "path", "shadows": "full"}, "fabric masks are not for it"),
+        ({"mesh": Mesh.from_arrays(board().positions, board().triangles, name="bare")}, "mesh bare has no UVs"),
+    ):
+        with pytest.raises(InputError, match=said):
+            renderer.render(scene, **look | changes)

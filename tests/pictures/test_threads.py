@@ -7,9 +7,12 @@ from glcloth.color import luminance
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
+from glcloth.gpu.pictures import picture_array
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.methods import relief
+from glcloth.methods.relief import LEVELS, SIDE, relief_table
 from glcloth.methods.weave_maps import fabric_maps, repeat_of
-from glcloth.picture import threads
+from glcloth.picture import uv_scale
 from glcloth.weave.maps import mip_levels
 
 EVEN = {"shift": 0.0, "yarn": 0.0, "fibre": 0.0}
@@ -176,7 +179,7 @@ def test_holes_show_what_is_behind(renderer):
 
 def test_paper_says_that_it_shows_the_far_cloth(renderer, monkeypatch):
     said = []
-    monkeypatch.setattr(threads, "warn", said.append)
+    monkeypatch.setattr(uv_scale, "warn", said.append)
     for cloth in renderer.stage.cloths:  # which may have said it in an earlier test
         cloth.threads._warned.clear()
     fabric = load_fabric("silk_shot")
@@ -187,7 +190,7 @@ def test_paper_says_that_it_shows_the_far_cloth(renderer, monkeypatch):
 
 def test_uvs_that_are_no_metres(renderer, monkeypatch):
     said = []
-    monkeypatch.setattr(threads, "warn", said.append)
+    monkeypatch.setattr(uv_scale, "warn", said.append)
     fabric = even("linen_heavy")
     look = {**LOOK, "fabric": fabric, "camera": camera(30, 20), "size": (64, 64)}
     metres = renderer.render(mesh=patch(fabric), **look)
@@ -233,6 +236,32 @@ def test_the_side_that_turns_to_the_light_is_brighter(renderer, axis, light):
     for where in (inside, rolls):
         difference = (sides[0] - sides[1])[where]
         assert np.corrcoef(difference, -slope[where].clip(*np.quantile(slope, (0.1, 0.9))))[0, 1] > 0.3
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_from_the_side_the_slope_that_faces_the_viewer_is_seen(ctx, monkeypatch, axis):
+    """A ridge as high as a quarter of the repeat: its one slope has rel 1, the other 0, and each is seen from its own side."""
+    monkeypatch.setattr(relief, "SAMPLES", 512)
+    size, height = 128, 0.25
+    place = (np.arange(size) + 0.5) / size
+    ramp = np.maximum(1.0 - np.abs(place - 0.5) / 0.25, 0.0)
+    rises_away = ((place < 0.5) & (ramp > 0.0)).astype(float)  # the slope toward smaller u or v
+    layers = np.zeros((3, size, size, 4), "f4")
+    layers[0, :, :, 0], layers[2, :, :, 1] = rises_away, ramp
+    texture = picture_array(ctx, layers if axis == 0 else layers.swapaxes(1, 2))
+    inputs = {
+        "weave_map": texture, "weave_repeats": (1.0, 1.0), "relief_end": 99.0,
+        "relief_heights": np.array([height, 1.0, 0.0], "f4"),
+    }  # fmt: skip
+    table = relief_table(ctx, inputs, 1, 0, 0.0)
+    means = np.frombuffer(table.read(), "f4").reshape(3, LEVELS, SIDE, SIDE, 4)[0, 0, ..., 0]
+    row = means[SIDE // 2] if axis == 0 else means[:, SIDE // 2]
+    table.release(), texture.release()
+    # Half way to the horizon's circle the tangent is 4/3: the ridge hides its far slope, and is seen 4/3 of its height behind.
+    middle = SIDE // 2
+    assert row[middle] == pytest.approx(0.25, abs=0.02)
+    assert row[middle // 2] == pytest.approx(0.25 + 4.0 / 3.0 * height, abs=0.03), "the slope that faces the viewer"
+    assert row[middle + middle // 2] < 0.02, "its back"
 
 
 def test_threads_are_shown_unless_they_are_not_wanted(renderer):

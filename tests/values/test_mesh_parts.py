@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
 from glcloth.cli.options import scene_of
 from glcloth.cli.scene_options import SceneOptions
@@ -143,11 +144,14 @@ def test_files_are_read_in_their_unit(tmp_path, dress, capfd):
 
 
 def test_objects_stand_where_a_scene_says():
-    mesh, still = (solid.mesh for solid in load_solids(["stand@1,2,3,0.5,90", "stand"]))
-    x = still.positions.astype(float)
-    assert np.allclose(mesh.positions, 0.5 * np.stack([x[:, 2], x[:, 1], -x[:, 0]], 1) + (1, 2, 3), atol=1e-6)
-    N = still.normals
-    assert np.allclose(mesh.normals, np.stack([N[:, 2], N[:, 1], -N[:, 0]], 1), atol=1e-6)
+    mesh, still = (solid.mesh for solid in load_solids(["stand@1,2,3,0.5,30", "stand"]))
+    # Counter-clockwise seen from +Y: +Z goes toward +X. By quaternions, so that a turn that mirrors is seen.
+    turn = Rotation.from_rotvec([0.0, np.pi / 6.0, 0.0])
+    assert np.allclose(mesh.positions, 0.5 * turn.apply(still.positions) + (1, 2, 3), atol=1e-6)
+    assert np.allclose(mesh.normals, turn.apply(still.normals), atol=1e-6)
+    assert np.allclose(mesh.tangents[:, :3], turn.apply(still.tangents[:, :3]), atol=1e-6)
+    with pytest.raises(InputError, match="no file can have such a name"):
+        load_solids(["x" * 300 + ".obj"])
     assert Place.of("1,2") == (1.0, 2.0, 0.0, 1.0, 0.0)
     assert split_place("a@b.obj") == ("a@b.obj", "") and split_place("a.obj@.5") == ("a.obj", ".5")
     for wrong in ("1,a", "1,2,3,0", "1,2,3,1,2,3", "nan,0,0"):

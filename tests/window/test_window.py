@@ -62,7 +62,15 @@ def test_a_bad_file_is_a_message_and_nothing_is_lost(done):
 
 
 def test_a_scene_of_two_parts_is_edited_part_by_part(done):
-    assert done["parts"] == [["Left", "Right"], False, True]
+    assert done["parts"][:3] == [["Left", "Right"], False, True]
+
+
+def test_a_click_on_the_cloth_picks_the_part_that_is_there(done):
+    right, left, beside, steps, dressed, undone = done["parts"][3]
+    assert [right, left, beside, steps] == ["Right", "Left", "Left", 0], (
+        "a click beside the cloth, and any, edits nothing"
+    )
+    assert dressed == {"Left": "velvet_ruby", "Right": "velvet"} and undone == {"Right": "velvet"}
 
 
 def test_saved_scenes_and_pictures_open_to_the_same_picture(done):

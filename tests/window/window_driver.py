@@ -194,8 +194,31 @@ def parts(app, folder):
     settle(app)
     changed = np.abs(app.actions.picture() - before).max(-1) > 0
     left, right = changed[4:44, 12:28], changed[4:44, 32:48]
+    app.session.undo()
     app.session.choose_part("")
-    return [app.actions.parts, bool(left.any()), bool(right.all())]
+    return [app.actions.parts, bool(left.any()), bool(right.all()), picks(app)]
+
+
+def picks(app):
+    """Clicks on the parts and beside them: which part is edited after each; and which part a fabric goes to."""
+    settle(app)
+    left, bottom, width, height = app.layout.rectangle()
+    top = int(imgui.get_io().display_size.y) - bottom - height
+
+    def click(x, y):
+        during(app, ["mousemove", left + int(x * width), top + int(y * height)], ["mousedown", 1], ["mouseup", 1])
+        return app.session.part
+
+    click(0.7, 0.5)
+    steps = len(app.session._undo)
+    out = [click(0.7, 0.5), click(0.3, 0.5), click(0.98, 0.5), len(app.session._undo) - steps]
+    app.session.choose_fabric("velvet_ruby")
+    settle(app)
+    out.append(dict(app.session.scene.fabrics))
+    app.session.undo()
+    out.append(dict(app.session.scene.fabrics))
+    app.session.pick_part("")
+    return out
 
 
 def drop(app, *paths):

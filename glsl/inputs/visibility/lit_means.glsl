@@ -24,7 +24,7 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         E += light.L * (V_number(pixel, 1 + k) * gaussian_irradiance(k, dot(N, light.xi)));
 #ifdef GLOSSY
         L_gloss += light.L * (V_number(pixel, 1 + k)
-            * gloss_of_gaussian(N, light.xi, light.sharpness, gloss.omega_o, gloss.F_0, gloss.alpha));
+            * gloss_of_gaussian(N, light.xi, light.sharpness, gloss.omega_o, gloss.F_0, gloss.alpha)) * gloss.repeated_lobes;
 #endif
     }
     for (int s = 0; s < sun_count; ++s) {
@@ -32,7 +32,7 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         E += sun.E * (V_number(pixel, sun_number + s) * max(dot(N, sun.omega), 0.0));
 #ifdef GLOSSY
         L_gloss += sun.E * (V_number(pixel, sun_number + s)
-            * f_gloss(N, sun.omega, gloss.omega_o, gloss.F_0, max(gloss.alpha, SUN_ALPHA)));
+            * f_gloss(N, sun.omega, gloss.omega_o, gloss.F_0, max(gloss.alpha, SUN_ALPHA))) * gloss.repeated;
 #endif
     }
 #ifdef CATCHER

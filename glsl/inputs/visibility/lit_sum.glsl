@@ -19,7 +19,7 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         vec3 flux = flux_along(origin, direction, texelFetch(direction_data, 2 * d + 1));
         E += cos_theta * flux;
 #ifdef GLOSSY
-        L_gloss += flux * f_gloss(N, direction.xyz, gloss.omega_o, gloss.F_0, max(gloss.alpha, MAP_ALPHA));
+        L_gloss += flux * f_gloss(N, direction.xyz, gloss.omega_o, gloss.F_0, max(gloss.alpha, MAP_ALPHA)) * gloss.repeated;
 #endif
 #ifdef PARTS
         if (came_back) L_bounce += cos_theta * (flux - let_on);

@@ -2,7 +2,7 @@
 // The boxes of the nodes, from the triangles up: of the two children of a node the later one goes on.   [Karras 2012]
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
-uniform usamplerBuffer corners;
+#include "inputs/accel/key_box.glsl"
 uniform usamplerBuffer keys;
 uniform usamplerBuffer tree;
 uniform usamplerBuffer parents;
@@ -14,15 +14,11 @@ uniform float padding;
 void main() {
     int i = item();
     if (i >= key_count) return;
-    int triangle = int(texelFetch(keys, i).y);
-    vec3 a = uintBitsToFloat(texelFetch(corners, 3 * triangle).xyz);
-    vec3 b = uintBitsToFloat(texelFetch(corners, 3 * triangle + 1).xyz);
-    vec3 c = uintBitsToFloat(texelFetch(corners, 3 * triangle + 2).xyz);
+    vec3 low, high;
+    key_box(int(texelFetch(keys, i).y), low, high);
     int at = key_count - 1 + i;
-    vec3 low = min(a, min(b, c)) - padding;
-    vec3 high = max(a, max(b, c)) + padding;
-    box[2 * at] = vec4(low, 0.0);
-    box[2 * at + 1] = vec4(high, 0.0);
+    box[2 * at] = vec4(low - padding, 0.0);
+    box[2 * at + 1] = vec4(high + padding, 0.0);
     uint up = key_count > 1 ? texelFetch(parents, at).x : 0xffffffffu;
     while (up != 0xffffffffu) {
         memoryBarrierBuffer();

@@ -7,6 +7,9 @@ layout(local_size_x = 64) in;
 uniform usamplerBuffer keys;
 uniform usamplerBuffer tree;
 uniform usamplerBuffer boxes;
+#ifdef PIECES
+uniform usamplerBuffer pieces;
+#endif
 layout(std430) writeonly buffer BvhNodes { uvec4 bvh_node[]; };
 layout(std430) writeonly buffer LeafTriangles { uint leaf_triangle[]; };
 uniform int key_count;
@@ -14,7 +17,11 @@ uniform int key_count;
 void main() {
     int i = item();
     if (i >= key_count) return;
-    leaf_triangle[i] = texelFetch(keys, i).y;
+    uint key = texelFetch(keys, i).y;
+#ifdef PIECES
+    key = texelFetch(pieces, int(key)).x;
+#endif
+    leaf_triangle[i] = key;
     if (i == key_count - 1) return;
     uvec4 node = texelFetch(tree, i);
     for (int k = 0; k < 2; ++k) {

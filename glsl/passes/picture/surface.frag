@@ -21,9 +21,16 @@ uniform sampler2D behind;     // the depth of cloth that lets light through: onl
 #endif
 #ifdef CUT_OUT
 uniform samplerBuffer cut_uv;  // of each vertex
+#endif
+#ifdef OPENINGS
 uniform sampler2DArray opacity_map;
 uniform vec2 opacity_repeats;
 uniform float opacity_threshold;  // of this sample: where the map has less, there is no cloth
+#endif
+#ifdef FABRIC_MASK
+uniform usampler2D mask_map;      // the number of a fabric
+uniform vec2 mask_repeats;
+uniform int mask_number;          // of this cloth: where the mask has another, there is another cloth
 #endif
 layout(location = 0) out vec4 frame_N;  // N, and 1 or -1: the handedness of (x, y, N); 0 where nothing is drawn
 layout(location = 1) out vec4 frame_x;  // x, and the side of the sheet that is seen: 1 front, -1 back
@@ -66,7 +73,15 @@ void main() {
 #ifdef CUT_OUT
     vec2 uv = weights.x * texelFetch(cut_uv, corners.x).xy + weights.y * texelFetch(cut_uv, corners.y).xy
         + weights.z * texelFetch(cut_uv, corners.z).xy;
+#endif
+#ifdef OPENINGS
     if (texture(opacity_map, vec3(uv * opacity_repeats, 0.0)).r < opacity_threshold) discard;
+#endif
+#ifdef FABRIC_MASK
+    // By whole texels, so that the cloths of a mask leave no gap and do not overlap.
+    ivec2 mask_size = textureSize(mask_map, 0);
+    ivec2 texel = min(ivec2(fract(uv * mask_repeats) * vec2(mask_size)), mask_size - 1);
+    if (int(texelFetch(mask_map, texel, 0).r) != mask_number) discard;
 #endif
 #ifdef BEHIND
     if (gl_FragCoord.z <= texelFetch(behind, ivec2(gl_FragCoord.xy), 0).r + BEHIND_STEP) discard;

@@ -1,0 +1,154 @@
+"""Fabric masks: which of several fabrics a place of the cloth has, by the colours of a picture over its UVs.   [own]
+
+One cloth becomes several, each with the triangles that may show its fabric; where a triangle shows another the pixels are
+discarded. So a mask needs nothing of a method, and a place has one fabric, never a mixture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..color import hex_codes
+from ..errors import InputError
+from ..geometry.mesh import Mesh
+from ..geometry.parts import taken
+from ..image import decode_codes, read_image
+from ..scene import ClothMap
+
+NEAR = 0.25  # of the codes' range in each channel: farther from a colour than this a place has not its fabric
+MOST_TEXELS = 8192  # a side; of larger pictures every second, third ... texel is taken
+PLACES = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [4, 4, 4]]) / np.array([[4], [4], [4], [12]])
+LISTED = 6  # colours that an error names
+
+
+@dataclass(frozen=True, eq=False)
+class FabricMask:
+    """A mask as a picture.
+
+    Parameters
+    ----------
+    codes : [H, W, 3] 0 to 1, the first row at v = 0
+    repeat : what one repeat covers, along u and v
+    in_metres : whether that is in metres and not in UV units
+    """
+
+    codes: np.ndarray
+    repeat: tuple[float, float]
+    in_metres: bool
+
+    def numbers(self, colors: Sequence[str]) -> np.ndarray:
+        """Which colour each texel has [H, W]: 0 none of them, 1 the first of `colors`."""
+        nearest = np.full(self.codes.shape[:2], NEAR, np.float32)
+        out = np.zeros(nearest.shape, np.uint8)
+        for number, color in enumerate(colors, 1):
+            distance = np.abs(self.codes - np.array(hex_codes(color), np.float32)).max(-1)
+            out[distance < nearest] = number
+            nearest = np.minimum(nearest, distance)
+        return out
+
+    def common(self) -> str:
+        """Its commonest colours, for an error."""
+        codes = np.rint(255.0 * self.codes.reshape(-1, 3)).astype(int)
+        keys, counts = np.unique(codes @ (65536, 256, 1), return_counts=True)
+        names = [f"#{key:06x}" for key in keys[np.argsort(-counts, kind="stable")]]
+        return ", ".join(names[:LISTED]) + (" ..." if len(names) > LISTED else "")
+
+
+@dataclass(frozen=True, eq=False)
+class Masked:
+    """Where a piece of cloth is: the places of a mask that have its number.
+
+    Parameters
+    ----------
+    numbers : [H, W] uint8, the first row at v = 0
+    number : of the piece
+    repeat : UV units of one repeat, along u and v
+    """
+
+    numbers: np.ndarray
+    number: int
+    repeat: tuple[float, float]
+
+    def mostly(self, mesh: Mesh) -> np.ndarray:
+        """The triangles [T] that show this number more than any other, a smaller one at a draw: each hides light once."""
+        found = np.sort(_numbers_at(self.numbers, _places(mesh, PLACES) / self.repeat), 0)
+        counts = (found[:, None] == found).sum(0)
+        return np.take_along_axis(found, counts.argmax(0)[None], 0)[0] == self.number
+
+
+def load_mask(entry: ClothMap) -> FabricMask:
+    """Read a fabric mask: the codes of a PNG or JPEG, the values of others, as they are. Raises InputError as `read_image`."""
+    path = Path(entry.file)
+    picture = decode_codes(path) if path.suffix.lower() in (".png", ".jpg", ".jpeg") else read_image(path)
+    step = -(-max(picture.shape[:2]) // MOST_TEXELS)
+    codes = np.nan_to_num(np.asarray(picture[::-1, :, :3], np.float32)).clip(0.0, 1.0)
+    height = entry.repeat * codes.shape[0] / codes.shape[1] if entry.unit == "m" else entry.repeat
+    return FabricMask(np.ascontiguousarray(codes[::step, ::step]), (entry.repeat, height), entry.unit == "m")
+
+
+def check_colors(masks: Mapping[str, FabricMask], colors: Sequence[str]) -> None:
+    """Raise InputError where masks and the colours that have a fabric do not go together."""
+    if not masks and colors:
+        raise InputError(
+            f"fabrics: {colors[0]} is a colour of a fabric mask, and there is none; give --fabric-mask FILE"
+        )
+    if masks and not colors:
+        said = next(iter(masks.values())).common()
+        raise InputError(
+            f"fabric_mask: no colour has a fabric, and the picture has {said}; give --fabric '#rrggbb=NAME' for some"
+        )
+    for color in colors:
+        if not any((mask.numbers([color]) > 0).any() for mask in masks.values()):
+            said = "; ".join(mask.common() for mask in masks.values())
+            raise InputError(f"fabrics: no place of the fabric mask has the colour {color}, expected some of {said}")
+
+
+def split(mesh: Mesh, mask: FabricMask, colors: Sequence[str], scale: float) -> list[tuple[int, Mesh, Masked]]:
+    """A cloth taken apart: for each number of the mask that it shows the triangles that may show it.
+
+    scale : a UV unit of the mesh in the unit of the mask's repeat
+    """
+    numbers = mask.numbers(colors)
+    repeat = mask.repeat[0] / scale, mask.repeat[1] / scale
+    corners = _places(mesh, np.eye(3)) / repeat * numbers.shape[::-1]
+    low, high = np.floor(corners.min(0)).astype(int) - 1, np.floor(corners.max(0)).astype(int) + 2
+    pieces = []
+    for number in np.unique(numbers).tolist():
+        if (shows := _count(numbers == number, low, high) > 0).any():
+            pieces.append((number, taken(mesh, shows), Masked(numbers, number, repeat)))
+    return pieces
+
+
+def mask_colors(patterns: Iterable[str]) -> list[str]:
+    """Those of the keys of `Scene.fabrics` that are colours of a mask."""
+    return [pattern for pattern in patterns if pattern.startswith("#")]
+
+
+def _places(mesh: Mesh, weights: np.ndarray) -> np.ndarray:
+    """UVs [K, T, 2] at barycentric places [K, 3] of each triangle."""
+    assert mesh.uv is not None
+    return np.einsum("kc,tcd->ktd", weights, np.nan_to_num(np.asarray(mesh.uv, float))[mesh.triangles])
+
+
+def _numbers_at(numbers: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """The texels at places [..., 2] in repeats, of a picture that repeats."""
+    size = np.array(numbers.shape[::-1])
+    column, row = np.moveaxis(np.floor(at * size).astype(int) % size, -1, 0)
+    return numbers[row, column]
+
+
+def _count(wanted: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """How many texels of a picture that repeats are wanted [H, W] from `low` up to `high` [..., 2] (column, row)."""
+    sums = np.zeros((wanted.shape[0] + 1, wanted.shape[1] + 1), np.int64)
+    sums[1:, 1:] = wanted.cumsum(0).cumsum(1)
+
+    def before(column: np.ndarray, row: np.ndarray) -> np.ndarray:
+        (rows, r), (columns, c) = np.divmod(row, wanted.shape[0]), np.divmod(column, wanted.shape[1])
+        return rows * columns * sums[-1, -1] + rows * sums[-1, c] + columns * sums[r, -1] + sums[r, c]
+
+    (x_0, y_0), (x_1, y_1) = np.moveaxis(low, -1, 0), np.moveaxis(high, -1, 0)
+    return before(x_1, y_1) - before(x_0, y_1) - before(x_1, y_0) + before(x_0, y_0)
