@@ -245,7 +245,7 @@ class ClothSurface(Surface):
             near,
             far,
             programs(self.ctx).screen("passes/picture/shade_terms.frag", terms, virtual),
-            3 * groups + 3,
+            7 * groups + 1,
             programs(self.ctx).compute("passes/picture/shade_list.comp", defines, {**self._virtual(), **woven}),
             defines,
             woven,
