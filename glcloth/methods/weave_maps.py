@@ -13,7 +13,7 @@ from ..fabric import Fabric
 from ..gpu.memo import Last
 from ..weave.maps import Maps, mip_levels
 from ..weave.tile import tile_size
-from .relief import LEVELS, first_level, relief_heights, relief_table
+from .relief import LEVELS, PER_LEVEL, first_level, relief_heights, relief_table
 
 FAR_YARNS, FAR_REPEATS = 2.0, 0.5  # yarns in a pixel, or repeats if these are more, from which on it shows none
 
@@ -106,7 +106,7 @@ class WeaveMaps:
         picks, ends = weave.drafted.structure
         size = maps.hole.shape
         first, hole = first_level(size, (ends, picks)), float(maps.hole.mean())
-        read = {**read, "relief_heights": relief_heights(maps, relief), "relief_end": first + 0.5 * (LEVELS - 1)}
+        read = {**read, "relief_heights": relief_heights(maps, relief), "relief_end": first + (LEVELS - 1) / PER_LEVEL}
         table = self._relief.get(
             lambda: self._table(relief_table(self.ctx, read, groups, first, hole, relief == 0.0)),
             *(
@@ -120,7 +120,7 @@ class WeaveMaps:
                 size,
             ),
         )
-        levels = first, table.depth // (2 * groups + 1)
+        levels = first, table.depth // (2 * groups + 1), PER_LEVEL
         return {**read, "relief_table": table, "relief_levels": np.array(levels, "f4")}
 
     def _table(self, table: moderngl.Texture3D) -> moderngl.Texture3D:
