@@ -83,7 +83,7 @@ class ClothSurface(Surface):
         drawn = self._finer.get(lambda: subdivided(mesh), mesh) if finer else mesh
         self._place(lambda: self._uploaded(drawn, mesh, cloth.opacity, scale), drawn, cloth.opacity, scale)
         self._take_transmission(cloth.fabric, frame)
-        self.threads.prepare(fabric, self.method, self.buffers, frame, self._print)
+        self.threads.prepare(fabric, self.buffers, frame, self._print)
 
     def _printed(self, cloth: Cloth, frame: Frame) -> Fabric:
         """The fabric, dyed in the mean of what is printed on it."""
