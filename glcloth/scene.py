@@ -216,7 +216,7 @@ class Scene(Value):
         "colour of the fabric mask", default_factory=dict,
         option=False, file=True)
     threads: bool = cloth(
-        "", "threads where one comes near, of a fabric with a weave (direct, reference)", default=True)
+        "", "threads where one comes near, of a fabric with a weave", default=True)
     uv_scale: float = cloth(
         "m", "length of a UV unit of the mesh, for the size of threads; 0: measured", default=0.0, ge=0, le=1000)
     mesh: str | tuple[str, ...] = cloth(

@@ -14,7 +14,7 @@ class SceneOptions:
     """What to render; an option that is not given keeps the scene's value."""
 
     fabric: Annotated[list[str] | None, Parameter(name="--fabric", negative="", help="Built-in fabric, a .toml file or a draft (.wif); PART=FABRIC for a material, group or object alone (* and ? match any); repeatable.")] = None
-    threads: Annotated[bool | None, Parameter(help="Threads where one comes near, of a fabric with a weave (direct, reference).")] = None
+    threads: Annotated[bool | None, Parameter(help="Threads where one comes near, of a fabric with a weave.")] = None
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
     mesh: Annotated[list[str] | None, Parameter(name="--mesh", negative="", help="Built-in mesh or a file (.obj .ply .glb .gltf .stl .off); repeatable.")] = None
     print: Annotated[list[str] | None, Parameter(name="--print", negative="", help="A picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; repeatable.")] = None

@@ -71,7 +71,6 @@ class Method:
     """
 
     lights_solids = False  # else the light of solids is Gaussians and suns, each as far as it is seen
-    shows_threads = False  # whether its program takes the maps of inputs/methods/weave.glsl
     behind = "inputs/visibility/behind_means.glsl"  # the file for "behind.glsl" of passes/picture/through.frag
     source = ""  # the GLSL file with `vec3 L_o(vec3 omega_o, mat3 surface_from_world)`
 
@@ -100,7 +99,7 @@ class Method:
         return {}
 
     def woven_packing(self) -> tuple[int, int]:
-        """Where it `shows_threads`: how many vec4s hold the tangents, and how many each."""
+        """How many vec4s hold the tangents where pixels show threads, and how many each."""
         raise NotImplementedError
 
     def woven_inputs(self) -> dict[str, Any]:

@@ -50,7 +50,6 @@ class Reference(Method):
 
     lights_solids = True
     behind = "inputs/methods/behind_sum.glsl"
-    shows_threads = True
 
     def __init__(self, ctx: moderngl.Context):
         super().__init__(ctx)

@@ -13,7 +13,7 @@ from ..fabric import Fabric
 from ..gpu.memo import Last
 from ..weave.maps import Maps, mip_levels
 from ..weave.tile import tile_size
-from .relief import LEVELS, first_level, relief_heights, relief_table
+from .relief import LEVELS, PER_LEVEL, first_level, relief_heights, relief_table
 
 FAR_YARNS, FAR_REPEATS = 2.0, 0.5  # yarns in a pixel, or repeats if these are more, from which on it shows none
 
@@ -47,7 +47,7 @@ class WeaveMaps:
         self.ctx = ctx
         self._made: Last[dict[str, Any]] = Last()
         self._relief: Last[moderngl.Texture3D] = Last()
-        self._textures: list[moderngl.TextureArray] = []
+        self._textures: list[moderngl.Texture | moderngl.TextureArray] = []
         self._relief_table: moderngl.Texture3D | None = None
         self._noise = _noise(ctx)
 
@@ -65,12 +65,15 @@ class WeaveMaps:
             layers[0, t // lanes, t % lanes] = rel
             layers[1, t // lanes, t % lanes] = rel * side[tangent.yarn]
         holes = np.zeros((1, 4, *maps.hole.shape), np.float32)
-        heights = relief_heights(maps, fabric.weave.relief)
-        holes[0, 0], holes[0, 1] = maps.hole, fabric.weave.relief * maps.height / max(float(heights[0]), 1e-9)
+        holes[0, 0] = maps.hole
         layers = np.concatenate([layers.reshape(-1, *layers.shape[2:]), holes])
         colored = fabric.weave.color_map(maps)
         colors, size = (np.zeros((2, 1, 1, 4)), (1.0, 1.0)) if colored is None else colored
         self._textures = [self._array(layers), self._array(np.moveaxis(colors, -1, 1))]
+        read = {"weave_map": self._textures[0]}
+        if fabric.weave.relief:
+            unit = float(relief_heights(maps, 1.0)[0])
+            read["height_map"] = self._heights(maps.height / unit)
         repeats = 1.0 / maps.size[0], 1.0 / maps.size[1]
         loose, twist = fabric.weave.irregularity, np.radians(fabric.weave.twist_deg)
         return {
@@ -79,7 +82,7 @@ class WeaveMaps:
             "color_map": self._textures[1],
             "colored": colored is not None,
             "weave_repeats": repeats,
-            **self._side_view(fabric, maps, groups, {"weave_map": self._textures[0], "weave_repeats": repeats}),
+            **self._side_view(fabric, maps, groups, {**read, "weave_repeats": repeats}),
             "color_repeats": (1.0 / size[0], 1.0 / size[1]),
             "noise_map": self._noise,
             "yarns": (100.0 * fabric.weave.picks_per_cm, 100.0 * fabric.weave.ends_per_cm),
@@ -103,7 +106,7 @@ class WeaveMaps:
         picks, ends = weave.drafted.structure
         size = maps.hole.shape
         first, hole = first_level(size, (ends, picks)), float(maps.hole.mean())
-        read = {**read, "relief_heights": relief_heights(maps, relief), "relief_end": first + 0.5 * (LEVELS - 1)}
+        read = {**read, "relief_heights": relief_heights(maps, relief), "relief_end": first + (LEVELS - 1) / PER_LEVEL}
         table = self._relief.get(
             lambda: self._table(relief_table(self.ctx, read, groups, first, hole, relief == 0.0)),
             *(
@@ -117,7 +120,7 @@ class WeaveMaps:
                 size,
             ),
         )
-        levels = first, table.depth // (2 * groups + 1)
+        levels = first, table.depth // (2 * groups + 1), PER_LEVEL
         return {**read, "relief_table": table, "relief_levels": np.array(levels, "f4")}
 
     def _table(self, table: moderngl.Texture3D) -> moderngl.Texture3D:
@@ -141,6 +144,17 @@ class WeaveMaps:
                 GL.GL_TEXTURE_2D_ARRAY, level, 0, 0, 0, *size, GL.GL_RGBA, GL.GL_HALF_FLOAT, data.tobytes()
             )
         GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, 0)
+        return texture
+
+    def _heights(self, heights: np.ndarray) -> moderngl.Texture:
+        """A texture of single floats [H, W] with its levels; `_array` says why they are made here."""
+        height, width = heights.shape
+        texture = self.ctx.texture((width, height), 1, dtype="f4")
+        texture.build_mipmaps()  # makes room
+        texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+        for level, means in enumerate(mip_levels(heights)):
+            texture.write(means.astype("f4"), level=level)
+        self._textures.append(texture)
         return texture
 
     def _release_maps(self) -> None:

@@ -84,7 +84,7 @@ class ClothSurface(Surface):
         drawn = self._finer.get(lambda: subdivided(mesh), mesh) if finer else mesh
         self._place(lambda: self._uploaded(drawn, mesh, cloth, scale), drawn, cloth.opacity, scale, cloth.mask)
         self._take_transmission(cloth.fabric, frame)
-        self.threads.prepare(fabric, self.method, self.buffers, frame, self._print)
+        self.threads.prepare(fabric, self.buffers, frame, self._print)
 
     def _printed(self, cloth: Cloth, frame: Frame) -> Fabric:
         """The fabric, dyed in the mean of what is printed on it."""
@@ -257,7 +257,7 @@ class ClothSurface(Surface):
             near,
             far,
             programs(self.ctx).screen("passes/picture/shade_terms.frag", terms, virtual),
-            3 * groups + 3,
+            7 * groups + 1,
             programs(self.ctx).compute("passes/picture/shade_list.comp", defines, {**self._virtual(), **woven}),
             defines,
             woven,

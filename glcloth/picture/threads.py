@@ -16,7 +16,6 @@ from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..methods.method import Method
 from ..methods.weave_maps import WeaveMaps, far_footprint
-from ..progress import warn
 from .frame import Frame
 from .prints import Print, PrintTexture
 from .uv_scale import guessed_scale
@@ -41,7 +40,6 @@ class Threads:
         self._uv = TextureBuffer(ctx, 16)
         self._written: Last[None] = Last()
         self._scale: Last[float] = Last()
-        self._warned: dict[str, Last[None]] = {}
         self._buffers: MeshBuffers
         self._in_metres, self._far = 1.0, 0.0
         self._fabric: Fabric
@@ -49,7 +47,6 @@ class Threads:
     def prepare(
         self,
         fabric: Fabric,
-        method: Method,
         buffers: MeshBuffers,
         frame: Frame,
         printed: tuple[Print, np.ndarray] | None = None,
@@ -59,13 +56,6 @@ class Threads:
         `printed`: what is printed on the cloth, and its mean colour, in which `fabric` is dyed.
         """
         self.woven, self.printed = self._near(fabric, buffers, frame), printed
-        if not method.shows_threads:
-            name = frame.scene.method
-            if self.woven:
-                self._warn(f"method {name}: shows cloth as it is from afar, without threads", method)
-            if printed is not None:
-                self._warn(f"method {name}: shows printed cloth in the mean colour of its print", method)
-            self.woven, self.printed = False, None
         self.shown = self.woven or self.printed is not None
         if self.shown:
             mesh = buffers.mesh
@@ -73,10 +63,6 @@ class Threads:
             self._in_metres = self.unit(mesh, frame) if in_metres else 1.0
             self._written.get(lambda: self._write(mesh, self._in_metres), mesh, self._in_metres)
             self._buffers, self._fabric = buffers, fabric
-
-    def _warn(self, text: str, method: Method) -> None:
-        """Say it once of a method."""
-        self._warned.setdefault(text, Last()).get(lambda: warn(text), method)
 
     def unit(self, mesh: Mesh, frame: Frame) -> float:
         """Metres in a UV unit."""

@@ -47,7 +47,9 @@ def main():
     common.head("file", "errors", "warnings", "infos", "hints")
     for name, issues in said["found"]:
         common.row(Path(name).name, *(issues[f"num{kind}"] for kind in ("Errors", "Warnings", "Infos", "Hints")))
-    for line in sorted({f"{one['code']}: {one['message']}" for _, issues in said["found"] for one in issues["messages"]}):
+    for line in sorted(
+        {f"{one['code']}: {one['message']}" for _, issues in said["found"] for one in issues["messages"]}
+    ):
         print(line)
     sys.exit(any(issues["numErrors"] or issues["numWarnings"] for _, issues in said["found"]))
 

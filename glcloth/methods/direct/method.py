@@ -72,7 +72,6 @@ class Direct(Method):
     packed into vec4s is compiled in; `variants` lists the ways, so that a window can compile them before any edit.
     """
 
-    shows_threads = True
     source = "inputs/methods/direct.glsl"
 
     def __init__(self, ctx: moderngl.Context):

@@ -78,6 +78,10 @@ class Paper(Method):
             "tiling": tuple(tiling),
         }
 
+    def woven_packing(self) -> tuple[int, int]:
+        """In the order of the tangents."""
+        return -(-self._tangents // 4), 4
+
     def inputs(self) -> dict[str, Any]:
         """What inputs/methods/paper.glsl declares, but for the range of a pass."""
         own = {"azimuth_table": self._azimuth, "weight_index": self._index, "segments": self._segments}

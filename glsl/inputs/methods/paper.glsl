@@ -127,10 +127,14 @@ vec3 L_tangent(int t, int j, Yarn yarn, vec3 omega_o, mat3 surface_from_world) {
     vec2 at_o = vec2(node_coordinate(unit_from_half_circle(placement.z * o.phi), grid),
         node_coordinate(unit_from_half_circle(placement.y * o.theta), grid));
     vec3 sum = vec3(0.0);
+#ifdef WEAVE
+    vec2 seen = rel_and_turn(t);
+#endif
     int n = lobe_range.x;
     do {
         Gaussian light = fetch_gaussian(n);
-        vec3 local_k = tangent_from_surface(surface_from_world * light.xi, j, tangent.cos_tilt, tangent.sin_tilt);
+        vec3 xi = surface_from_world * light.xi;
+        vec3 local_k = tangent_from_surface(xi, j, tangent.cos_tilt, tangent.sin_tilt);
         Angles k = angles(local_k);
         float phi_k = placement.z * k.phi;
         float circle = unit_from_circle(phi_k, inner);
@@ -140,7 +144,14 @@ vec3 L_tangent(int t, int j, Yarn yarn, vec3 omega_o, mat3 surface_from_world) {
         // Truncated factors may dip below zero where T is zero.
         float T = max(fetch_T_W(int(placement.x), at_xi, at_o, level), 0.0);
         vec2 I = I_terms(k, light.sharpness, o, yarn);
-        sum += V_gaussian(n) * T * (I.x + yarn.A * I.y) * light.L;
+#ifdef WEAVE
+        // The side of a yarn turns to the axis of a Gaussian as to a sun.
+        I *= seen_of(seen, j, xi);
+        vec3 f = COLORED(j == 0 ? vec4(I, 0.0, 0.0) : vec4(0.0, 0.0, I));
+#else
+        vec3 f = I.x + yarn.A * I.y;
+#endif
+        sum += V_gaussian(n) * T * f * light.L;
         ++n;
     } while (n < lobe_range.y);
     return tangent.weight * sum;

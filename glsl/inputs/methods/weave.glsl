@@ -10,7 +10,7 @@
 #include "core/disk.glsl"
 #include "inputs/methods/relief.glsl"
 uniform sampler3D relief_table;  // means of rel, of turn and of holes, each at several levels; omega as a disk
-uniform vec2 relief_levels;  // the mip level of the first, and how many, half a level apart
+uniform vec3 relief_levels;  // the mip level of the first, how many, and how many from one mip level to the next
 #else
 uniform sampler2DArray weave_map;  // GROUPS layers of rel, then of turn; then one whose first value is 1 in holes
 uniform vec2 weave_repeats;        // 1/m, along u and v
@@ -68,7 +68,7 @@ vec2 shift_at(vec2 place, float level, vec3 omega) {
 #ifdef RELIEF
 vec4 mean_seen(int layer, float level, vec3 omega) {
     vec2 p = 0.5 + (0.5 - 0.5 / float(textureSize(relief_table, 0).x)) * to_disk(normalize(omega));
-    float z = (float(layer) * relief_levels.y + clamp(2.0 * (level - relief_levels.x), 0.0, relief_levels.y - 1.0) + 0.5) / float(textureSize(relief_table, 0).z);
+    float z = (float(layer) * relief_levels.y + clamp(relief_levels.z * (level - relief_levels.x), 0.0, relief_levels.y - 1.0) + 0.5) / float(textureSize(relief_table, 0).z);
     return textureLod(relief_table, vec3(p, z), 0.0);
 }
 #endif

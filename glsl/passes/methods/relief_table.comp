@@ -10,6 +10,7 @@ layout(std430) writeonly buffer Means { vec4 mean[]; };  // [2 GROUPS + 1, level
 uniform int table_side;
 uniform int levels;
 uniform int first_level;  // the mip level of the first
+uniform int per_level;    // how many from one mip level to the next
 uniform int sample_count;
 
 vec4 rel_sum[GROUPS], turn_sum[GROUPS];
@@ -18,7 +19,7 @@ void main() {
     int texels = table_side * table_side, i = item();
     if (i >= texels * levels) return;
     int level = i / texels, at = i % texels, n = 0;
-    float lod = float(first_level) + 0.5 * float(level);
+    float lod = float(first_level) + float(level) / float(per_level);
     vec2 p = 2.0 * vec2(at % table_side, at / table_side) / float(table_side - 1) - 1.0;
     vec3 omega = from_disk(p);
     // Two texels beyond the horizon nothing is read.

@@ -11,6 +11,9 @@ layout(std430) buffer Pixels {
 uniform float tolerance;   // estimated relative error of luminance above which a pixel is shaded itself
 uniform float bend_limit;  // sine of the angle between neighbours' normals above which a lobe could hide between them
 out vec4 color;
+
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
+
 #ifdef WEAVE
 // Where pixels show threads: what each tangent adds varies as slowly as cloth from afar, so it is that which is interpolated.
 #include "inputs/methods/threads.glsl"  // that is weave.glsl or printed.glsl
@@ -22,29 +25,39 @@ bool has_terms(ivec2 coarse_pixel) {
     return texelFetch(far_depth, min(2 * coarse_pixel, textureSize(far_depth, 0) - 1), 0).r == 1.0;
 }
 
+// The colours (red, green, blue) of tangents from red and blue for a luminance of 1.
+mat3x4 with_green(vec4 red, vec4 blue) {
+    return mat3x4(red, (1.0 - LUMINANCE.r * red - LUMINANCE.b * blue) / LUMINANCE.g, blue);
+}
+
+vec4 of_weave(int g, vec2 yarns) { return mix(vec4(yarns.x), vec4(yarns.y), slot_yarn[g]); }
+
 // By how much threads differ from cloth from afar; its mean over the cloth is 0.
 vec3 of_threads(ivec2 pixel, bool exact) {
     fetch_weave(pixel);
     vec2 at = (0.5 * vec2(pixel) + 0.5) / vec2(textureSize(terms, 0).xy);
     // Beside a pixel that has terms may be one that has none: not even with a weight of 0 are they read.
-#define TERM(layer) (exact ? texelFetch(terms, ivec3(pixel >> 1, layer), 0) : textureLod(terms, vec3(at, float(layer)), 0.0))
-    mat4x3 light = transpose(mat3x4(TERM(3 * GROUPS), TERM(3 * GROUPS + 1), TERM(3 * GROUPS + 2)));
-    vec4 near = vec4(0.0), far = vec4(0.0);  // surface and volume of warp, of weft
+#define TERM(layer) (exact ? NEAREST(layer) : textureLod(terms, vec3(at, float(layer)), 0.0))
+    // Colours vary even more slowly: the nearest will do.
+#define NEAREST(layer) texelFetch(terms, ivec3(pixel >> 1, layer), 0)
+    vec4 leans = NEAREST(7 * GROUPS);
+    vec3 warp = vec3(leans.x, -(LUMINANCE.r * leans.x + LUMINANCE.b * leans.y) / LUMINANCE.g, leans.y);
+    vec3 weft = vec3(leans.z, -(LUMINANCE.r * leans.z + LUMINANCE.b * leans.w) / LUMINANCE.g, leans.w);
+    vec3 L = vec3(0.0);
 #define ADD_SEEN(g) { \
-    vec4 s = TERM(g), v = TERM(g + GROUPS), weft = slot_yarn[g], warp = 1.0 - weft; \
-    far += vec4(dot(s, warp), dot(v, warp), dot(s, weft), dot(v, weft)); \
-    vec4 seen = rel[g] + TERM(g + 2 * GROUPS) * turn[g]; \
-    s *= seen; \
-    v *= seen; \
-    near += vec4(dot(s, warp), dot(v, warp), dot(s, weft), dot(v, weft)); }
+    vec4 s = TERM(g), v = TERM(g + 3 * GROUPS), side = NEAREST(g + 6 * GROUPS); \
+    mat3x4 color_s = with_green(NEAREST(g + GROUPS), NEAREST(g + 2 * GROUPS)); \
+    mat3x4 color_v = with_green(NEAREST(g + 4 * GROUPS), NEAREST(g + 5 * GROUPS)); \
+    vec4 strand_s = of_weave(g, strands.xz), strand_v = of_weave(g, strands.yw); \
+    for (int c = 0; c < 3; ++c) { \
+        vec4 seen = rel[g] + (side + of_weave(g, vec2(warp[c], weft[c]))) * turn[g]; \
+        vec4 near_A = of_weave(g, vec2(pixel_A[0][c], pixel_A[1][c])), far_A = of_weave(g, vec2(weave_A[0][c], weave_A[1][c])); \
+        L[c] += dot(s * color_s[c], seen * strand_s - 1.0) + dot(v * color_v[c], seen * strand_v * near_A - far_A); \
+    } }
     EACH_GROUP(ADD_SEEN)
-    near *= strands;
-    return light[0] * (near.x - far.x) + light[1] * (pixel_A[0] * near.y - weave_A[0] * far.y)
-        + light[2] * (near.z - far.z) + light[3] * (pixel_A[1] * near.w - weave_A[1] * far.w);
+    return L;
 }
 #endif
-
-const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 vec4 coarse_at(ivec2 p) {
     return texelFetch(coarse, clamp(p, ivec2(0), textureSize(coarse, 0) - 1), 0);
