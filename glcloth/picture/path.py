@@ -12,7 +12,7 @@ from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
 from ..light.environment import rotation_y
-from ..tracing.path import BATCH, PathSums, PathTracer, PathView, PathWorld, Progress
+from ..tracing.path import PathSums, PathTracer, PathView, PathWorld, Progress
 from .frame import Frame
 from .looks import is_matt
 from .pace import Pace
@@ -93,8 +93,8 @@ class PathPictures:
         total = samples_of(frame)
         steps: Iterator[Progress] = tracer.steps(view, total, scene.noise)
         if pace.announce:
-            count = None if scene.noise > 0.0 else -(-total // BATCH)
-            steps = iter(pace.tracked(_batches(steps), f"path: {BATCH} samples at a time", count))
+            count = None if scene.noise > 0.0 else -(-total // tracer.batch)
+            steps = iter(pace.tracked(_batches(steps), "path: samples, some at a time", count))
         for progress in steps:
             if progress.pixels == 0 and not pace.announce:
                 self.draw(target)
@@ -110,6 +110,12 @@ class PathPictures:
     def sums(self) -> PathSums:
         """Of the last picture."""
         return self.tracer.sums()
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self._map.release()
+        if self._tracer is not None:
+            self._tracer.release()
 
     @property
     def progress(self) -> Progress:

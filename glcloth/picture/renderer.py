@@ -81,6 +81,8 @@ class Renderer:
             self._owner.check()
         if self._show is not None and self.ctx is not None:
             self._show.release()
+        if self.ctx is not None:
+            self._paths.release()
         self._show = self._last = None
         if self._owns_context and self.ctx is not None:
             gc.collect()  # objects that wait for collection must go while their context is alive

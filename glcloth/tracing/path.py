@@ -28,7 +28,8 @@ from .energy import mean_albedo, reflection_limit
 from .sky import Sky
 
 STRUCTURE = "lbvh"
-BATCH = 4  # samples a dispatch: more may run into llvmpipe's 65,535 loop iterations, which ends them without an error
+BATCH = 4  # samples a dispatch: more may run into llvmpipe's 65,535 loop iterations, which ends them without an error;
+SHEER_BATCH = 1  # nor may rays to the light that go through up to eight layers of cloth, from up to 24 surfaces
 FIRST_PART = 1 << 14  # pixels of the first dispatch; then as many as take about PATIENCE
 PATIENCE = 0.2  # seconds between two chances to stop
 TEXELS = 3  # of passes/tracing/path.comp
@@ -204,6 +205,11 @@ class PathTracer:
         return {"cloth_data": self._cloth, "fabric_data": self._fabric}
 
     @property
+    def batch(self) -> int:
+        """How many samples a dispatch adds, of what was taken."""
+        return BATCH if self._sheer is None else SHEER_BATCH
+
+    @property
     def _structure(self) -> Structure:
         ground = self._world.ground
         return self._tree if ground is None else OverGround(self._tree, ground[0])
@@ -230,7 +236,7 @@ class PathTracer:
         progress = self.progress = Progress()
         program, inputs, look = self._program(), self._inputs(view), LEAST_SAMPLES
         while progress.samples < samples:
-            count = min(BATCH, samples - progress.samples)
+            count = min(self.batch, samples - progress.samples)
             while progress.pixels < pixels:
                 begin, part = time.perf_counter(), min(self._part, pixels - progress.pixels)
                 where = {"first_pixel": progress.pixels, "pixel_count": part}
@@ -274,7 +280,8 @@ class PathTracer:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for one in (self.sky, self._sheets, self._tree, self._solid, self._cloth, self._fabric, self._sums):
+        parts = self.sky, self._hits, self._sheets, self._tree, self._solid, self._cloth, self._fabric, self._sums
+        for one in parts:
             one.release()
         if self._triangles is not None:
             self._triangles.release()
