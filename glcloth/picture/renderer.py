@@ -348,9 +348,9 @@ class Renderer:
     def path_sums(self) -> PathSums:
         """Of the last picture by method `path`: its samples, light, standard error and noise. Raises InputError for another."""
         self._check()
-        if not isinstance(self._last, Frame) or self._last.scene.method != "path":
+        if self._last is None or self._last.scene.method != "path":
             raise InputError("path_sums: the last picture was not by method path; render one first")
-        return self._paths.sums()
+        return self._paths.sums() if isinstance(self._last, Frame) else self._last.paths.tracer.sums()
 
     def covered_pixels(self) -> int:
         """How many pixels of the last draw see cloth."""
