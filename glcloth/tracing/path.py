@@ -161,14 +161,17 @@ class PathTracer:
         """Take what paths meet."""
         self._world = world
         meshes = tuple(mesh for mesh, _ in (*world.cloths, *world.solids))
-        self._built.get(lambda: self._build(meshes), meshes)
+        sheer = tuple(fabric.transmission is not None for _, fabric in world.cloths)
+        self._built.get(lambda: self._build(meshes, sheer), meshes, sheer)
         self._dressed.get(self._dress, *world.key)
 
-    def _build(self, meshes: tuple[Mesh, ...]) -> None:
+    def _build(self, meshes: tuple[Mesh, ...], sheer: tuple[bool, ...]) -> None:
         if self._triangles is not None:
             self._triangles.release()
         corners = np.concatenate([mesh.positions[mesh.triangles] for mesh in meshes])
-        self._triangles = Triangles.of(self.ctx, corners)
+        # Material 0 is what light passes through.
+        material = [np.full(len(mesh.triangles), k >= len(sheer) or not sheer[k]) for k, mesh in enumerate(meshes)]
+        self._triangles = Triangles.of(self.ctx, corners, np.concatenate(material).astype(int))
         self._tree.build(self._triangles)
         self._hits.prepare([HitSurface(mesh, mesh) for mesh in meshes], self._triangles)
 
@@ -241,6 +244,8 @@ class PathTracer:
     def _program(self) -> Compute:
         defines, virtual, _ = sight(self._structure, self._sheer, "inputs/tracing/sight_either.glsl")
         virtual["sky.glsl"] = self.sky.source
+        if self._sheer is not None:
+            virtual["sight.glsl"] = "inputs/tracing/sight_sheer.glsl"
         return programs(self.ctx).compute("passes/tracing/path.comp", defines, virtual)
 
     def steps(

@@ -59,6 +59,10 @@ struct Path {
 };
 
 #ifdef SHEER
+vec3 corner_of(int triangle, int k) {
+    return texelFetch(hit_vertices, 3 * texelFetch(hit_corners, 3 * triangle + k).x).xyz;
+}
+
 uniform bool spread;  // what yarns let through is drawn from its lobes, instead of the narrow ones going straight on
 
 // The share of light that goes straight on.
@@ -79,17 +83,21 @@ struct Sample {
 // The light that is left along a ray of what comes from that far away.
 #ifdef SHEER
 vec3 light_left(vec3 o, vec3 d, float reach) {
-    vec3 T = vec3(1.0);
-    float from = 0.0;
-    int n = 0;
-    do {
-        Visit visit = Visit(reach, NO_TRIANGLE, vec2(0.0));
-        traverse(make_ray(o, d, from, reach), visit);
-        if (visit.triangle == NO_TRIANGLE) return T;
+    Visit visit = shadow_visit(reach);
+    Ray ray = make_ray(o, d, 0.0, reach);
+    traverse(ray, visit);
+    vec3 T = vec3(visit.t > 0.0 ? 1.0 : 0.0);
+    int n = visit.t > 0.0 ? visit.layers : 0;
+    while (n-- > 0 && worth(T)) {
+        int t = int(visit.latest.x);
+        vec4 hit = meet_triangle(ray, corner_of(t, 0), corner_of(t, 1), corner_of(t, 2));
+        visit.triangle = uint(t);
+        visit.weights = hit.yz;
         T *= straight_through(sheet_at(visit, d));
-        from = behind_layer(visit.t);
-    } while (worth(T) && ++n < MOST_LAYERS);
-    return vec3(0.0);
+        visit.latest = uvec4(visit.latest.yzw, visit.earlier.x);
+        visit.earlier.xyz = visit.earlier.yzw;
+    }
+    return worth(T) ? T : vec3(0.0);
 }
 #else
 vec3 light_left(vec3 o, vec3 d, float reach) {
@@ -326,7 +334,7 @@ Sample sample_of(ivec2 pixel) {
     Sample one = Sample(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
     int steps = 0;
     do {
-        Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
+        Visit visit = closest_visit();
         traverse(make_ray(path.o, path.d, path.from, 3e38), visit);
         if (visit.triangle == NO_TRIANGLE) {
             one.L += from_sky(path);
