@@ -267,6 +267,8 @@ class Scene(Value):
     noise: float = path(
         "%", "stop where the mean standard error of the pixels that show surfaces is so small a share of their mean light, spp "
         "at the latest; 0: never before", default=0.0, ge=0, le=100, slider=(0.0, 5.0))
+    denoise: bool = path(
+        "", "take what noise is left away, by Open Image Denoise (pip install 'glcloth[denoise]')", default=False)
     size: tuple[int, int] = option("pixels", "WIDTHxHEIGHT", default=(640, 480))
     exposure: float = option(
         "stops", "brightness on screen and in PNG files; EXR files keep the light itself", default=0.0, ge=-20, le=20,

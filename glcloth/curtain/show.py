@@ -17,6 +17,7 @@ from ..geometry.views import view_by_name
 from ..light.environment import Environment, load_environment
 from ..progress import track
 from ..scene import CurtainParameters, Scene
+from ..tracing.denoise import check_denoiser, denoised
 from ..tracing.lamp import Lamp, Lighting
 from ..tracing.path import PathSums, followed, samples_of
 from ..tracing.shot import MOST_SPP, Shot, TraceSettings
@@ -198,7 +199,10 @@ class CurtainShow:
     def picture(self) -> np.ndarray:
         """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first."""
         if self.scene.method == "path":
-            return self.path_sums().picture[..., :3]
+            if self.scene.denoise:
+                check_denoiser()
+            sums = self.path_sums()
+            return (denoised(sums) if self.scene.denoise else sums.picture)[..., :3]
         self.build()
         return self.tracer.trace(self.lit(self.shot()))
 

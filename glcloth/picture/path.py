@@ -12,6 +12,7 @@ from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
 from ..light.environment import rotation_y
+from ..tracing.denoise import check_denoiser
 from ..tracing.path import PathSums, PathTracer, PathView, PathWorld, Progress, followed, samples_of
 from .frame import Frame
 from .looks import is_matt
@@ -21,6 +22,8 @@ from .pace import Pace
 def check_path(frame: Frame) -> None:
     """Raise InputError for what paths cannot show."""
     scene = frame.scene
+    if scene.denoise:
+        check_denoiser()
     if scene.shadows != "full":
         raise InputError(f"method path: shadows {scene.shadows}, but rays always meet what is there; leave it out")
     if any(cloth.print or cloth.opacity for cloth in frame.cloths):

@@ -23,6 +23,7 @@ from ..methods.method import Method
 from ..methods.settings import Settings
 from ..progress import check_stopped
 from ..scene import MethodName, Quality, Scene, View, load_scene
+from ..tracing.denoise import denoised
 from .background import Background
 from .frame import Frame, Frames
 from .layers import Gathering, Layers, chosen
@@ -195,7 +196,8 @@ class Renderer:
         """Draw a prepared frame and read it back; result as for `render`."""
         self._last = frame
         self.draw(frame)
-        picture = self.target.read()
+        clean = frame.scene.method == "path" and frame.scene.denoise
+        picture = denoised(self._paths.sums()) if clean else self.target.read()
         check_errors(self.ctx, f"method {frame.scene.method}")
         return picture[..., :3] if frame.scene.background else picture
 

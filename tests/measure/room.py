@@ -48,13 +48,16 @@ class Lambertian(PathTracer):
     def _program(self):
         text = (Path(glcloth.__file__).parents[1] / "glsl" / INCLUDE).read_text()
         head, rest = text.split("// Radiance toward omega_o per unit", 1)
-        text = head + """
+        text = (
+            head
+            + """
 vec3 f_and_pdf(Fabric fabric, vec3 omega_i, vec3 omega_o, out float pdf) {
     pdf = min(omega_i.z, omega_o.z) > 0.0 ? omega_i.z / PI : 0.0;
     return texelFetch(cloth_data, CLOTH_TEXELS * 0 + 4).rgb * pdf;
 }
 vec3 drawn_direction(Fabric fabric, vec3 omega_o, float choice, vec2 u) { return cosine_direction(u); }
 """
+        )
         virtual = {
             "sky.glsl": self.sky.source, "sight.glsl": "inputs/tracing/sight_sheer.glsl", INCLUDE: text,
             "accel.glsl": self._structure.source, "count.glsl": "inputs/accel/count_none.glsl",
@@ -64,8 +67,12 @@ vec3 drawn_direction(Fabric fabric, vec3 omega_o, float choice, vec2 u) { return
 
 def mitsuba_scene(mi, cloth, walls, reflectances, shot, straight, albedo, spp):
     """The same scene."""
+
     def diffuse(color):
-        return {"type": "twosided", "nested": {"type": "diffuse", "reflectance": {"type": "rgb", "value": list(map(float, color))}}}
+        return {
+            "type": "twosided",
+            "nested": {"type": "diffuse", "reflectance": {"type": "rgb", "value": list(map(float, color))}},
+        }
 
     camera = shot.camera
     scene = {
@@ -97,7 +104,15 @@ def block_means(picture):
 
 
 options = common.options(
-    __doc__, None, size="48x48", spp=256, frame=30, max_depth=24, straight=0.4, albedo="0.45,0.4,0.3", variant="llvm_ad_rgb"
+    __doc__,
+    None,
+    size="48x48",
+    spp=256,
+    frame=30,
+    max_depth=24,
+    straight=0.4,
+    albedo="0.45,0.4,0.3",
+    variant="llvm_ad_rgb",
 )
 import mitsuba as mi  # noqa: E402
 
@@ -145,7 +160,9 @@ half = block_means(theirs[0]) - block_means(theirs[1])
 noise_b = np.abs(half).mean() / 2 / b.mean()
 A, B = block_means(ours), block_means(both)
 noise_a = np.sqrt((sums.standard_error.astype(float) ** 2).mean()) / 3 / b.mean() * np.sqrt(2 / np.pi)
-pixel_noise = np.abs(luminance(theirs[0].astype(float)) - luminance(theirs[1].astype(float))).mean() / 2 * np.sqrt(np.pi / 2)
+pixel_noise = (
+    np.abs(luminance(theirs[0].astype(float)) - luminance(theirs[1].astype(float))).mean() / 2 * np.sqrt(np.pi / 2)
+)
 common.head("ours", "Mitsuba", "difference %", "its noise %", "3x3 %", "noise would be %")
 own = np.sqrt((sums.standard_error.astype(float) ** 2).sum()) / a.size / b.mean()
 common.row(a.mean(), b.mean(), 100 * (a.mean() / b.mean() - 1), 100 * own,
