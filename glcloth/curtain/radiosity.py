@@ -36,7 +36,6 @@ from .form_factors import AZIMUTHS_DEG, PROXIES, FormFactors, Sheet, factor_step
 from .room import Room
 
 CELLS = PROXIES[0] * PROXIES[1]
-FOLD_SHARE = 0.25  # of what a side of the curtain sends, what meets its own folds; fitted to path-traced pictures
 LAMP_POINTS = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])  # of an element, in its sides
 CLOTH_SAMPLES = 22  # triangles of a cell of the curtain to which the lamp's rays are cast
 SKY_SIZE = (32, 64)  # the map that the sky is read from: texels as wide as a cell of an opening at least
@@ -279,9 +278,9 @@ class Radiosity:
         )  # fmt: skip
         texels = self._chart_texels + 6 * CELLS
         passes.compute("passes/curtain/light_texels.comp").run(
-            texels, received=b["received"], sent=b["sent"], texel_sources=b["texel_sources"],
+            texels, folds.seen(), received=b["received"], sources=b["sources"], sky=b["sky"], texel_sources=b["texel_sources"],
             texel_weights=b["texel_weights"], Texels=b["light_texels"], chart_texels=self._chart_texels, texel_count=texels,
-            first_receiver=N, first_cell=P, fold_share=FOLD_SHARE,
+            first_receiver=N, first_cell=P, cell_count=CELLS,
         )  # fmt: skip
         return self.inputs()
 
