@@ -13,6 +13,7 @@ import numpy as np
 
 from ..accel.structure import Structure, make_structure, tracing
 from ..accel.triangles import Triangles
+from ..color import luminance
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
 from .form_factors import Sheet
@@ -34,6 +35,7 @@ class Folds:
     lamp : [2, 3], exitance of either side for an irradiance of 1 by the lamp, on the cloth
     scattered : [2, 2, 3], of `reflected` and `transmitted` what is not mirrored alone
     lamp_hidden : [2, 3], of `lamp` what it does not send from layers that are seen, but by way of others
+    directed : [2, 4], how the light that either side sends goes with the direction, by `basis`: 1 on average
     shown : [2, 2, 3], what is seen from the room and from behind of an irradiance on the front and on the back of the cloth
     """
 
@@ -44,7 +46,12 @@ class Folds:
     lamp: np.ndarray
     scattered: np.ndarray
     lamp_hidden: np.ndarray
+    directed: np.ndarray
     shown: np.ndarray
+
+    def profile(self, side: int, direction: np.ndarray) -> np.ndarray:
+        """How much more than on average a side sends in directions [..., 3]: [...]. Pleats hide one another."""
+        return np.clip(basis(direction) @ self.directed[side], 0.1, 3.0)
 
     def seen(self) -> dict[str, list]:
         """The uniforms of passes/curtain/light_texels.comp: what folds send each other, for its cells."""
@@ -114,7 +121,7 @@ class HangingCloth:
         lit = E_lamp > 1e-9
         return Folds(
             passes, bins, reflected, transmitted, np.where(lit, lamp, 0.0), scattered, np.where(lit, lamp - seen, 0.0),
-            sides[:, :, 3:5, :3].mean(0),
+            np.stack([_directed(sides[:, k]) for k in (0, 1)]), sides[:, :, 3:5, :3].mean(0),
         )  # fmt: skip
 
     def _inner(self) -> np.ndarray:
@@ -186,6 +193,22 @@ class HangingCloth:
         """Free the GPU's memory, the triangles' too."""
         for thing in (*self._buffers, self.triangles, *([self._structure] if self._structure else [])):
             thing.release()
+
+
+def basis(direction: np.ndarray) -> np.ndarray:
+    """Functions [..., 4] of directions [..., 3] from the sheet: folds hang along y."""
+    x, _, z = np.moveaxis(direction, -1, 0)
+    return np.stack([np.ones_like(z), np.abs(z), z * z, x * x], -1)
+
+
+def _directed(paths: np.ndarray) -> np.ndarray:
+    """The weights [4] of `basis` that fit best what paths [N, 5, 4] of a side bring, over their mean."""
+    light = luminance(paths[:, 1, :3])
+    if not light.mean() > 0.0:  # no lamp: as of even light
+        light = luminance(paths[:, 0, :3]) * (paths[:, 0, 3] > 1.0)
+    if not light.mean() > 0.0:
+        return np.array([1.0, 0.0, 0.0, 0.0])
+    return np.linalg.lstsq(basis(paths[:, 2:5, 3]), light / light.mean(), rcond=None)[0]
 
 
 def attenuate(

@@ -104,20 +104,20 @@ class Radiosity:
         values = np.concatenate([weight, np.ones(2 * CELLS)])
         return sparse.csr_array((values, (rows, columns)), shape=(P + 2 * CELLS, N + 6 * CELLS))
 
-    @cached_property
-    def _exchange(self) -> tuple[np.ndarray, np.ndarray]:
-        """[senders, senders]: irradiance of each by unit exitance of each, past the curtain and through it."""
-        factors = self.factors.factors[: self.factors.light_senders].astype(float)
-        return self._mean @ np.maximum(factors, 0).T, self._mean @ np.maximum(-factors, 0).T
+    def _directed(self, folds: Folds) -> np.ndarray:
+        """The factors [S, R] of all that sends light, the curtain's cells as they send in each direction."""
+        f = self.factors
+        P, factors = len(f.charts.patches), f.factors[: f.light_senders].copy()
+        x, cells = f.receivers[0], f.sheet.cells().mean(1)
+        for k, middle in enumerate(cells):
+            d = x - middle
+            d /= np.maximum(np.linalg.norm(d, axis=1, keepdims=True), 1e-9)
+            factors[P + k] *= folds.profile(int(k >= CELLS), d)
+        return factors
 
     def _upload_static(self) -> None:
         f = self.factors
         source, weight = f.charts.texels(f.openness())
-        # Four senders a texel, receiver by receiver, so that neighbours read neighbours.
-        S, R = f.light_senders, f.factors.shape[1]
-        four = np.zeros((-(-S // 4) * 4, R), np.float32)
-        four[:S] = f.factors[:S]
-        self._put("factors", np.ascontiguousarray(four.reshape(-1, 4, R).transpose(0, 2, 1)))
         self._put("chart_data", f.charts.records())
         self._put("chart_of", f.charts.chart_of.astype(np.uint32), "r32ui")
         self._put("texel_sources", source.astype(np.uint32), "rgba32ui")
@@ -215,7 +215,13 @@ class Radiosity:
         P, S = len(f.charts.patches), f.light_senders
         rho = self.room.reflectances[self.room.material[f.charts.patch_triangle]].astype(float)
         front, back = P + np.arange(CELLS), P + CELLS + np.arange(CELLS)
-        clear, crossing = self._exchange
+        factors = self._directed(folds)
+        # Four senders a texel, receiver by receiver, so that neighbours read neighbours.
+        four = np.zeros((-(-S // 4) * 4, factors.shape[1]), np.float32)
+        four[:S] = factors
+        self._put("factors", np.ascontiguousarray(four.reshape(-1, 4, factors.shape[1]).transpose(0, 2, 1)))
+        # [senders, senders]: irradiance of each by unit exitance of each, past the curtain and through it.
+        clear, crossing = (self._mean @ np.maximum(sign * factors, 0).T for sign in (1, -1))
         sky_mean = self._mean @ sky
         bounces, sky_sent, shares = np.zeros((S, S, 4), np.float32), np.zeros((S, 3)), np.zeros((S, 3))
         for c in range(3):

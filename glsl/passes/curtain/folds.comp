@@ -12,7 +12,8 @@
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 // Of each path: (light that is left, 1: straight, 2: back, 3: through) (the lamp's, 1: scattered, not mirrored alone) (the lamp's
-// on layers that are seen, -), and the part of an irradiance on the front and on the back of the cloth that seen layers show.
+// on layers that are seen, x) and the parts of an irradiance on the front and on the back of the cloth that seen layers show,
+// with y and z; x, y, z: the direction from the sheet in which the light goes.
 layout(std430) writeonly buffer Paths { vec4 paths[]; };
 uniform int path_count;
 uniform vec4 sheet;     // where paths begin: least x and y, largest
@@ -32,6 +33,7 @@ void main() {
     hash = hash3(hash);
     vec3 c = cosine_direction(unit_square(hash.xy));
     vec3 d = vec3(c.xy, -side * c.z);
+    vec3 toward = -d;
     vec3 o = vec3(mix(sheet.xy, sheet.zw, at), sheet_z) - d * (thick / max(c.z, 0.12));
     vec3 left = vec3(1.0);   // of the path's light
     vec3 lamp_left = vec3(0.0);
@@ -121,7 +123,7 @@ void main() {
     } while (round < ROUNDS && fate == 0.0 && (to_lamp || left != vec3(0.0)));
     paths[5 * i] = vec4(fate == 0.0 ? vec3(0.0) : left, fate);
     paths[5 * i + 1] = vec4(lamp_sum, scattered ? 1.0 : 0.0);
-    paths[5 * i + 2] = vec4(lamp_seen, 0.0);
-    paths[5 * i + 3] = vec4(shown[0], 0.0);
-    paths[5 * i + 4] = vec4(shown[1], 0.0);
+    paths[5 * i + 2] = vec4(lamp_seen, toward.x);
+    paths[5 * i + 3] = vec4(shown[0], toward.y);
+    paths[5 * i + 4] = vec4(shown[1], toward.z);
 }
