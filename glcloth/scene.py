@@ -260,7 +260,7 @@ class Scene(Value):
         "", "file of lights (.json, .toml) instead of a fit; `glcloth env` writes one", default="", file=True)
     method: Literal[MethodName, "path", "trace"] = option(
         "", "how light on the cloth is summed; path: by samples of all its ways, for finished pictures and as the judge; the "
-        "curtain is traced", default="direct")
+        "curtain is traced (trace, path)", default="direct")
     quality: Quality = direct(
         "", "nodes per light: draft is fastest, high is closest to the reference", default="normal")
     adaptive: bool = direct(
@@ -280,6 +280,8 @@ class Scene(Value):
     noise: float = path(
         "%", "stop where the mean standard error of the pixels that show surfaces is so small a share of their mean light, spp "
         "at the latest; 0: never before", default=0.0, ge=0, le=100, slider=(0.0, 5.0))
+    denoise: bool = path(
+        "", "take what noise is left away, by Open Image Denoise (pip install 'glcloth[denoise]')", default=False)
     size: tuple[int, int] = option("pixels", "WIDTHxHEIGHT", default=(640, 480))
     exposure: float = option(
         "stops", "brightness on screen and in PNG files; EXR files keep the light itself", default=0.0, ge=-20, le=20,
@@ -331,9 +333,9 @@ class Scene(Value):
 
     @model_validator(mode="after")
     def _in_its_way(self):
-        if (self.method == "trace") != (self.curtain is not None):
+        if self.method != "path" and (self.method == "trace") != (self.curtain is not None):
             raise ValueError(
-                f"method {self.method}: the curtain is ray traced, expected trace" if self.curtain is not None else
+                f"method {self.method}: the curtain is ray traced, expected trace or path" if self.curtain is not None else
                 "method trace: renders the curtain; give its scene: glcloth render curtain"
             )  # fmt: skip
         most = 4096 if self.curtain is not None else 256
@@ -500,7 +502,7 @@ def kind_of(name: str) -> Kind | Literal[""]:
     if name == "curtain":
         return "curtain"
     of = field.json_schema_extra["of"] if field is not None and isinstance(field.json_schema_extra, dict) else ""
-    return of if of in ("", "curtain") else "cloth"
+    return "" if of == "path" else of if of in ("", "curtain") else "cloth"
 
 
 def _with_paths(data: dict, change: Callable[[str], str]) -> dict:

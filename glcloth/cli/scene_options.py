@@ -30,7 +30,7 @@ class SceneOptions:
     env_rotate: Annotated[float | None, Parameter(help="Turn the environment about +Y; in the window, drag with the right button (degrees).")] = None
     lobes: Annotated[str | None, Parameter(help="Spherical Gaussians fitted to the environment, 1 to 64, or auto.")] = None
     lights: Annotated[str | None, Parameter(help="File of lights (.json, .toml) instead of a fit; `glcloth env` writes one.")] = None
-    method: Annotated[str | None, Parameter(help="How light on the cloth is summed; path: by samples of all its ways, for finished pictures and as the judge; the curtain is traced (direct, paper, reference, path or trace).")] = None
+    method: Annotated[str | None, Parameter(help="How light on the cloth is summed; path: by samples of all its ways, for finished pictures and as the judge; the curtain is traced (trace, path) (direct, paper, reference, path or trace).")] = None
     quality: Annotated[str | None, Parameter(help="Nodes per light: draft is fastest, high is closest to the reference (draft, normal or high; method direct).")] = None
     adaptive: Annotated[bool | None, Parameter(help="Shade one pixel in four where neighbours are alike; small pictures in the window always do (method direct).")] = None
     light: Annotated[str | None, Parameter(help="The fitted lights, or the map itself (reference, path) (sg or map; method reference).")] = None
@@ -42,6 +42,7 @@ class SceneOptions:
     contribution: Annotated[float | None, Parameter(help="Share of the singular values that tables keep; a change makes new ones (0.5 to 0.9999; method paper).")] = None
     spp: Annotated[int | None, Parameter(help="Samples per pixel of a whole picture; path: 1 stands for 64, or with noise for as many as it takes (1 to 1.04858e+06).")] = None
     noise: Annotated[float | None, Parameter(help="Stop where the mean standard error of the pixels that show surfaces is so small a share of their mean light, spp at the latest; 0: never before (0 to 100 %; method path).")] = None
+    denoise: Annotated[bool | None, Parameter(help="Take what noise is left away, by Open Image Denoise (pip install 'glcloth[denoise]') (method path).")] = None
     size: Annotated[str | None, Parameter(help="WIDTHxHEIGHT (pixels).")] = None
     exposure: Annotated[float | None, Parameter(help="Brightness on screen and in PNG files; EXR files keep the light itself (-20 to 20 stops).")] = None
     view_transform: Annotated[str | None, Parameter(help="From light to the screen and PNG files (standard, filmic, neutral or agx).")] = None

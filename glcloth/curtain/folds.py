@@ -13,6 +13,7 @@ import numpy as np
 
 from ..accel.structure import Structure, make_structure, tracing
 from ..accel.triangles import Triangles
+from ..color import luminance
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
 from .form_factors import Sheet
@@ -32,6 +33,10 @@ class Folds:
     reflected, transmitted : [2, 3], of even light, seen from the room and from behind: what comes from that side, and from
     the other
     lamp : [2, 3], exitance of either side for an irradiance of 1 by the lamp, on the cloth
+    scattered : [2, 2, 3], of `reflected` and `transmitted` what is not mirrored alone
+    lamp_hidden : [2, 3], of `lamp` what it does not send from layers that are seen, but by way of others
+    directed : [2, 4], how the light that either side sends goes with the direction, by `basis`: 1 on average
+    shown : [2, 2, 3], what is seen from the room and from behind of an irradiance on the front and on the back of the cloth
     """
 
     passes: np.ndarray
@@ -39,6 +44,32 @@ class Folds:
     reflected: np.ndarray
     transmitted: np.ndarray
     lamp: np.ndarray
+    scattered: np.ndarray
+    lamp_hidden: np.ndarray
+    directed: np.ndarray
+    shown: np.ndarray
+
+    def profile(self, side: int, direction: np.ndarray) -> np.ndarray:
+        """How much more than on average a side sends in directions [..., 3]: [...]. Pleats hide one another."""
+        return np.clip(basis(direction) @ self.directed[side], 0.1, 3.0)
+
+    def seen(self) -> dict[str, list]:
+        """The uniforms of passes/curtain/light_texels.comp: what folds send each other, for its cells."""
+        C = np.moveaxis(self.shown, -1, 0)  # channels first
+        determinant = C[:, 0, 0] * C[:, 1, 1] - C[:, 0, 1] * C[:, 1, 0]
+        safe = determinant > 0.05 * (C[:, 0, 0] * C[:, 1, 1] + 1e-9)
+        inverse = np.zeros_like(C)
+        inverse[safe] = np.linalg.inv(C[safe])
+        # Where both sides are lit as one another is, neither can be told from the other.
+        both = C.sum(2)
+        inverse[~safe] = np.array([[1.0, 0.0], [0.0, 1.0]]) / np.maximum(both[~safe], 1e-6)[:, :, None]
+        flat = lambda m: np.ascontiguousarray(np.moveaxis(m, 0, -1).reshape(4, 3), "f4").tolist()  # noqa: E731
+        return {
+            "shown": flat(C),
+            "unshown": flat(inverse),
+            "scattered": self.scattered.reshape(4, 3).astype("f4").tolist(),
+            "hidden": (self.lamp_hidden / np.maximum(self.lamp, 1e-9)).astype("f4").tolist(),
+        }
 
     def along(self, direction: np.ndarray) -> np.ndarray:
         """What goes straight through along directions [..., 3]: [..., 3]."""
@@ -81,11 +112,17 @@ class HangingCloth:
         middle = positions[chosen].mean(1)
         inside = (middle[:, :2] > inner[:2]).all(1) & (middle[:, :2] < inner[2:]).all(1)
         E_lamp = self._lit(inputs, chosen[inside] if inside.any() else chosen)
-        sides = fates.reshape(PATHS, 2, 2, 4)
+        sides = fates.reshape(PATHS, 2, 5, 4)
         kind, light = sides[:, :, 0, 3], sides[:, :, 0, :3]
+        evenly = sides[:, :, 1, 3] > 0.0
         reflected, transmitted = (np.where((kind == k)[..., None], light, 0).mean(0) for k in (2, 3))
-        lamp = np.pi * sides[:, :, 1, :3].mean(0) / np.maximum(E_lamp, 1e-12)
-        return Folds(passes, bins, reflected, transmitted, np.where(E_lamp > 1e-9, lamp, 0.0))
+        scattered = np.stack([np.where(((kind == k) & evenly)[..., None], light, 0).mean(0) for k in (2, 3)])
+        lamp, seen = (np.pi * sides[:, :, k, :3].mean(0) / np.maximum(E_lamp, 1e-12) for k in (1, 2))
+        lit = E_lamp > 1e-9
+        return Folds(
+            passes, bins, reflected, transmitted, np.where(lit, lamp, 0.0), scattered, np.where(lit, lamp - seen, 0.0),
+            np.stack([_directed(sides[:, k]) for k in (0, 1)]), sides[:, :, 3:5, :3].mean(0),
+        )  # fmt: skip
 
     def _inner(self) -> np.ndarray:
         """The part of the sheet that paths begin at: least x and y, largest."""
@@ -141,14 +178,14 @@ class HangingCloth:
         return light[:, :3].mean(0, dtype=float)
 
     def _fates(self, inputs: Mapping[str, Any], inner: np.ndarray, thick: float) -> np.ndarray:
-        """What became of the paths, [2 PATHS, 2, 4]."""
-        out = Buffer(self.ctx, 64 * PATHS)
+        """What became of the paths, [2 PATHS, 5, 4]."""
+        out = Buffer(self.ctx, 160 * PATHS)
         program = programs(self.ctx).compute("passes/curtain/folds.comp", None, tracing(self.structure))
         program.run(
             2 * PATHS, self.structure.inputs(), inputs, Paths=out, path_count=2 * PATHS, sheet=tuple(inner),
             sheet_z=self.sheet.z, thick=thick,
         )  # fmt: skip
-        paths = np.frombuffer(out.read(64 * PATHS), np.float32).astype(float).reshape(-1, 2, 4)
+        paths = np.frombuffer(out.read(160 * PATHS), np.float32).astype(float).reshape(-1, 5, 4)
         out.release()
         return paths
 
@@ -156,6 +193,22 @@ class HangingCloth:
         """Free the GPU's memory, the triangles' too."""
         for thing in (*self._buffers, self.triangles, *([self._structure] if self._structure else [])):
             thing.release()
+
+
+def basis(direction: np.ndarray) -> np.ndarray:
+    """Functions [..., 4] of directions [..., 3] from the sheet: folds hang along y."""
+    x, _, z = np.moveaxis(direction, -1, 0)
+    return np.stack([np.ones_like(z), np.abs(z), z * z, x * x], -1)
+
+
+def _directed(paths: np.ndarray) -> np.ndarray:
+    """The weights [4] of `basis` that fit best what paths [N, 5, 4] of a side bring, over their mean."""
+    light = luminance(paths[:, 1, :3])
+    if not light.mean() > 0.0:  # no lamp: as of even light
+        light = luminance(paths[:, 0, :3]) * (paths[:, 0, 3] > 1.0)
+    if not light.mean() > 0.0:
+        return np.array([1.0, 0.0, 0.0, 0.0])
+    return np.linalg.lstsq(basis(paths[:, 2:5, 3]), light / light.mean(), rcond=None)[0]
 
 
 def attenuate(

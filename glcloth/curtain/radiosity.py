@@ -36,7 +36,6 @@ from .form_factors import AZIMUTHS_DEG, PROXIES, FormFactors, Sheet, factor_step
 from .room import Room
 
 CELLS = PROXIES[0] * PROXIES[1]
-FOLD_SHARE = 0.25  # of what a side of the curtain sends, what meets its own folds; fitted to path-traced pictures
 LAMP_POINTS = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])  # of an element, in its sides
 CLOTH_SAMPLES = 22  # triangles of a cell of the curtain to which the lamp's rays are cast
 SKY_SIZE = (32, 64)  # the map that the sky is read from: texels as wide as a cell of an opening at least
@@ -101,20 +100,20 @@ class Radiosity:
         values = np.concatenate([weight, np.ones(2 * CELLS)])
         return sparse.csr_array((values, (rows, columns)), shape=(P + 2 * CELLS, N + 6 * CELLS))
 
-    @cached_property
-    def _exchange(self) -> tuple[np.ndarray, np.ndarray]:
-        """[senders, senders]: irradiance of each by unit exitance of each, past the curtain and through it."""
-        factors = self.factors.factors[: self.factors.light_senders].astype(float)
-        return self._mean @ np.maximum(factors, 0).T, self._mean @ np.maximum(-factors, 0).T
+    def _directed(self, folds: Folds) -> np.ndarray:
+        """The factors [S, R] of all that sends light, the curtain's cells as they send in each direction."""
+        f = self.factors
+        P, factors = len(f.charts.patches), f.factors[: f.light_senders].copy()
+        x, cells = f.receivers[0], f.sheet.cells().mean(1)
+        for k, middle in enumerate(cells):
+            d = x - middle
+            d /= np.maximum(np.linalg.norm(d, axis=1, keepdims=True), 1e-9)
+            factors[P + k] *= folds.profile(int(k >= CELLS), d)
+        return factors
 
     def _upload_static(self) -> None:
         f = self.factors
         source, weight = f.charts.texels(f.openness())
-        # Four senders a texel, receiver by receiver, so that neighbours read neighbours.
-        S, R = f.light_senders, f.factors.shape[1]
-        four = np.zeros((-(-S // 4) * 4, R), np.float32)
-        four[:S] = f.factors[:S]
-        self._put("factors", np.ascontiguousarray(four.reshape(-1, 4, R).transpose(0, 2, 1)))
         self._put("chart_data", f.charts.records())
         self._put("chart_of", f.charts.chart_of.astype(np.uint32), "r32ui")
         self._put("texel_sources", source.astype(np.uint32), "rgba32ui")
@@ -212,7 +211,13 @@ class Radiosity:
         P, S = len(f.charts.patches), f.light_senders
         rho = self.room.reflectances[self.room.material[f.charts.patch_triangle]].astype(float)
         front, back = P + np.arange(CELLS), P + CELLS + np.arange(CELLS)
-        clear, crossing = self._exchange
+        factors = self._directed(folds)
+        # Four senders a texel, receiver by receiver, so that neighbours read neighbours.
+        four = np.zeros((-(-S // 4) * 4, factors.shape[1]), np.float32)
+        four[:S] = factors
+        self._put("factors", np.ascontiguousarray(four.reshape(-1, 4, factors.shape[1]).transpose(0, 2, 1)))
+        # [senders, senders]: irradiance of each by unit exitance of each, past the curtain and through it.
+        clear, crossing = (self._mean @ np.maximum(sign * factors, 0).T for sign in (1, -1))
         sky_mean = self._mean @ sky
         bounces, sky_sent, shares = np.zeros((S, S, 4), np.float32), np.zeros((S, 3)), np.zeros((S, 3))
         for c in range(3):
@@ -277,9 +282,9 @@ class Radiosity:
         )  # fmt: skip
         texels = self._chart_texels + 6 * CELLS
         passes.compute("passes/curtain/light_texels.comp").run(
-            texels, received=b["received"], sent=b["sent"], texel_sources=b["texel_sources"],
+            texels, folds.seen(), received=b["received"], sources=b["sources"], sky=b["sky"], texel_sources=b["texel_sources"],
             texel_weights=b["texel_weights"], Texels=b["light_texels"], chart_texels=self._chart_texels, texel_count=texels,
-            first_receiver=N, first_cell=P, fold_share=FOLD_SHARE,
+            first_receiver=N, first_cell=P, cell_count=CELLS,
         )  # fmt: skip
         return self.inputs()
 

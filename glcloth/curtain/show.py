@@ -17,12 +17,15 @@ from ..geometry.views import view_by_name
 from ..light.environment import Environment, load_environment
 from ..progress import track
 from ..scene import CurtainParameters, Scene
+from ..tracing.denoise import check_denoiser, denoised
 from ..tracing.lamp import Lamp, Lighting
-from ..tracing.shot import Shot, TraceSettings
+from ..tracing.path import PathSums, followed, samples_of
+from ..tracing.shot import MOST_SPP, Shot, TraceSettings
 from ..tracing.tracer import Tracer
 from ..tracing.tree_view import TreeContent, draw_tree
 from .form_factors import SLICES, Sheet
 from .hanging import CurtainSimulation, pleated_rail
+from .paths import CurtainPaths
 from .radiosity import Radiosity
 from .room import ROOM, Room, load_room
 
@@ -102,6 +105,7 @@ class CurtainShow:
         self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
         self._hung = Triangles(ctx, cloth, self.triangles.padding / PADDING)
         self._radiosity: Radiosity | None = None
+        self._paths: CurtainPaths | None = None
         self.tracer = Tracer(ctx)
         self.tracer.set_scene(self.triangles, self.materials)
         self.moved()
@@ -154,9 +158,13 @@ class CurtainShow:
 
     def facts(self) -> dict:
         """Facts about its picture, in plain values."""
-        return {
-            "method": "trace", "fabric": self.fabric.name, "frame": self.frame, "triangles": self.triangles.count
+        facts = {
+            "method": self.scene.method, "fabric": self.fabric.name, "frame": self.frame, "triangles": self.triangles.count
         }  # fmt: skip
+        if self.scene.method == "path":
+            sums = self.paths.tracer.sums()
+            facts |= {"samples": sums.samples, "noise_percent": round(sums.noise, 4)}
+        return facts
 
     def is_built(self, accelerator: str) -> bool:
         """Whether a structure holds the present frame."""
@@ -184,12 +192,17 @@ class CurtainShow:
         """The scene as the tracer takes it; `other`: a scene whose fabric and rays to take for the same curtain."""
         s = other or self.scene
         fabric = self.fabric if other is None else load_fabric(other.fabric)
-        settings = TraceSettings(s.depth, s.spp, s.spread, s.cutoff, s.accelerator)
+        settings = TraceSettings(s.depth, min(s.spp, MOST_SPP), s.spread, s.cutoff, s.accelerator)
         lighting = Lighting(Lamp(s.lamp_position, s.lamp_intensity), s.ambient)
         return Shot(camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate)
 
     def picture(self) -> np.ndarray:
-        """Trace the present frame: float32 [H, W, 3], linear Rec. 709, top row first."""
+        """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first."""
+        if self.scene.method == "path":
+            if self.scene.denoise:
+                check_denoiser()
+            sums = self.path_sums()
+            return (denoised(sums) if self.scene.denoise else sums.picture)[..., :3]
         self.build()
         return self.tracer.trace(self.lit(self.shot()))
 
@@ -202,6 +215,25 @@ class CurtainShow:
             sheet = Sheet(-m.width / 2, m.top - m.drop, m.width / 2, m.top, z)
             self._radiosity = Radiosity(self.ctx, self.room, sheet, self._hung, (s.rows - 1, s.columns - 1))
         return self._radiosity
+
+    @property
+    def paths(self) -> CurtainPaths:
+        """The path tracer of method `path`, made at first use."""
+        if self._paths is None:
+            self._paths = CurtainPaths(self.ctx, self.room)
+        return self._paths
+
+    def path_sums(self, vertices: int = 24) -> PathSums:
+        """The present frame by method `path`, as far as the scene's `spp` and `noise` say.
+
+        vertices : the most surfaces on a path that scatter
+        """
+        s, paths = self.scene, self.paths
+        samples = samples_of(s.spp, s.noise)
+        steps = paths.steps(self.simulation.mesh(), self.shot(), samples, s.noise, vertices)
+        for _ in followed(steps, paths.tracer.batch, samples, s.noise):
+            pass
+        return paths.tracer.sums()
 
     def lit(self, shot: Shot, gi: str | None = None) -> Shot:
         """A shot of the present frame, whose structure is built, with the light from around the room as the scene says.
@@ -274,6 +306,8 @@ class CurtainShow:
         self.tracer.release()
         self.triangles.release()
         (self._radiosity or self._hung).release()
+        if self._paths is not None:
+            self._paths.release()
         self.simulation.release()
 
     def __enter__(self) -> CurtainShow:

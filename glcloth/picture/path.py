@@ -12,26 +12,18 @@ from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
 from ..light.environment import rotation_y
-from ..tracing.path import BATCH, PathSums, PathTracer, PathView, PathWorld, Progress
+from ..tracing.denoise import check_denoiser
+from ..tracing.path import PathSums, PathTracer, PathView, PathWorld, Progress, followed, samples_of
 from .frame import Frame
 from .looks import is_matt
 from .pace import Pace
-
-SAMPLES = 64  # of a picture that says neither how many nor how little noise; one sample shows nothing
-MOST_SAMPLES = 1 << 20  # of one that says how little noise
-
-
-def samples_of(frame: Frame) -> int:
-    """How many samples a pixel gets at most."""
-    scene = frame.scene
-    if scene.spp > 1:
-        return scene.spp
-    return MOST_SAMPLES if scene.noise > 0.0 else SAMPLES
 
 
 def check_path(frame: Frame) -> None:
     """Raise InputError for what paths cannot show."""
     scene = frame.scene
+    if scene.denoise:
+        check_denoiser()
     if scene.shadows != "full":
         raise InputError(f"method path: shadows {scene.shadows}, but rays always meet what is there; leave it out")
     if any(cloth.print or cloth.opacity or cloth.mask for cloth in frame.cloths):
@@ -92,11 +84,10 @@ class PathPictures:
             "map_from_world": rotation_y(-scene.env_rotate),
         }
         view = PathView(frame.camera, scene.size, behind, scene.background, 24 if scene.bounce else 1)
-        total = samples_of(frame)
+        total = samples_of(scene.spp, scene.noise)
         steps: Iterator[Progress] = tracer.steps(view, total, scene.noise)
         if pace.announce:
-            count = None if scene.noise > 0.0 else -(-total // BATCH)
-            steps = iter(pace.tracked(_batches(steps), f"path: {BATCH} samples at a time", count))
+            steps = followed(steps, tracer.batch, total, scene.noise)
         for progress in steps:
             if progress.pixels == 0 and not pace.announce:
                 self.draw(target)
@@ -113,12 +104,13 @@ class PathPictures:
         """Of the last picture."""
         return self.tracer.sums()
 
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self._map.release()
+        if self._tracer is not None:
+            self._tracer.release()
+
     @property
     def progress(self) -> Progress:
         """Of the last picture."""
         return self.tracer.progress
-
-
-def _batches(steps: Iterator[Progress]) -> Iterator[Progress]:
-    """Those steps that finish samples of all pixels."""
-    return (progress for progress in steps if progress.pixels == 0)

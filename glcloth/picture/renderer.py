@@ -23,6 +23,7 @@ from ..methods.method import Method
 from ..methods.settings import Settings
 from ..progress import check_stopped
 from ..scene import MethodName, Quality, Scene, View, load_scene
+from ..tracing.denoise import denoised
 from .background import Background
 from .frame import Frame, Frames
 from .layers import Gathering, Layers, chosen
@@ -82,6 +83,8 @@ class Renderer:
             self._owner.check()
         if self._show is not None and self.ctx is not None:
             self._show.release()
+        if self.ctx is not None:
+            self._paths.release()
         self._show = self._last = None
         if self._owns_context and self.ctx is not None:
             gc.collect()  # objects that wait for collection must go while their context is alive
@@ -194,7 +197,8 @@ class Renderer:
         """Draw a prepared frame and read it back; result as for `render`."""
         self._last = frame
         self.draw(frame)
-        picture = self.target.read()
+        clean = frame.scene.method == "path" and frame.scene.denoise
+        picture = denoised(self._paths.sums()) if clean else self.target.read()
         check_errors(self.ctx, f"method {frame.scene.method}")
         return picture[..., :3] if frame.scene.background else picture
 
@@ -354,9 +358,9 @@ class Renderer:
     def path_sums(self) -> PathSums:
         """Of the last picture by method `path`: its samples, light, standard error and noise. Raises InputError for another."""
         self._check()
-        if not isinstance(self._last, Frame) or self._last.scene.method != "path":
+        if self._last is None or self._last.scene.method != "path":
             raise InputError("path_sums: the last picture was not by method path; render one first")
-        return self._paths.sums()
+        return self._paths.sums() if isinstance(self._last, Frame) else self._last.paths.tracer.sums()
 
     def covered_pixels(self) -> int:
         """How many pixels of the last draw see cloth."""

@@ -22,16 +22,21 @@ from ..gpu.layout import constant
 from ..gpu.memo import Last
 from ..gpu.programs import Compute, programs
 from ..gpu.scene_buffers import fabric_records
+from ..progress import track
 from ..visibility.hit_vertices import HitSurface, HitVertices
 from ..visibility.sheets import Sheets, sight
 from .energy import mean_albedo, reflection_limit
+from .lamp import Lamp
 from .sky import Sky
 
 STRUCTURE = "lbvh"
-BATCH = 4  # samples a dispatch: more may run into llvmpipe's 65,535 loop iterations, which ends them without an error
+BATCH = 4  # samples a dispatch: more may run into llvmpipe's 65,535 loop iterations, which ends them without an error;
+SHEER_BATCH = 1  # nor may rays to the light that go through up to eight layers of cloth, from up to 24 surfaces
 FIRST_PART = 1 << 14  # pixels of the first dispatch; then as many as take about PATIENCE
 PATIENCE = 0.2  # seconds between two chances to stop
 TEXELS = 3  # of passes/tracing/path.comp
+SAMPLES = 64  # of a picture that says neither how many nor how little noise; one sample shows nothing
+MOST_SAMPLES = 1 << 20  # of one that says how little noise
 LEAST_SAMPLES = 16  # before the noise is believed
 
 
@@ -57,13 +62,17 @@ class PathWorld:
 
 
 class PathView(NamedTuple):
-    """How a picture is taken: `vertices` is the most surfaces on a path that scatter; `background` whether the map is seen."""
+    """How a picture is taken: `vertices` is the most surfaces on a path that scatter; `background` whether the map is seen;
+    `lamp`: a point that gives light; `spread`: what yarns let through is drawn from their lobes, whose narrow ones else go
+    straight on."""
 
     camera: Camera
     size: tuple[int, int]
     environment: dict[str, Any]  # environment_map and map_from_world
     background: bool = True
     vertices: int = 24
+    lamp: Lamp | None = None
+    spread: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,6 +126,19 @@ class Progress:
     noise: float = field(default=np.inf)
 
 
+def samples_of(spp: int, noise: float) -> int:
+    """How many samples a pixel gets at most, by what a scene says."""
+    if spp > 1:
+        return spp
+    return MOST_SAMPLES if noise > 0.0 else SAMPLES
+
+
+def followed(steps: Iterator[Progress], batch: int, samples: int, noise: float) -> Iterator[Progress]:
+    """Those steps that finish samples of all pixels, with a progress bar; parameters as for PathTracer.steps."""
+    count = None if noise > 0.0 else -(-samples // batch)
+    return iter(track((progress for progress in steps if progress.pixels == 0), "path: samples, some at a time", count))
+
+
 class PathTracer:
     """Traces one picture at a time; what does not change from one to the next stays on the GPU."""
 
@@ -139,14 +161,17 @@ class PathTracer:
         """Take what paths meet."""
         self._world = world
         meshes = tuple(mesh for mesh, _ in (*world.cloths, *world.solids))
-        self._built.get(lambda: self._build(meshes), meshes)
+        sheer = tuple(fabric.transmission is not None for _, fabric in world.cloths)
+        self._built.get(lambda: self._build(meshes, sheer), meshes, sheer)
         self._dressed.get(self._dress, *world.key)
 
-    def _build(self, meshes: tuple[Mesh, ...]) -> None:
+    def _build(self, meshes: tuple[Mesh, ...], sheer: tuple[bool, ...]) -> None:
         if self._triangles is not None:
             self._triangles.release()
         corners = np.concatenate([mesh.positions[mesh.triangles] for mesh in meshes])
-        self._triangles = Triangles.of(self.ctx, corners)
+        # Material 0 is what light passes through.
+        material = [np.full(len(mesh.triangles), k >= len(sheer) or not sheer[k]) for k, mesh in enumerate(meshes)]
+        self._triangles = Triangles.of(self.ctx, corners, np.concatenate(material).astype(int))
         self._tree.build(self._triangles)
         self._hits.prepare([HitSurface(mesh, mesh) for mesh in meshes], self._triangles)
 
@@ -154,7 +179,7 @@ class PathTracer:
         """Upload what surfaces reflect and let through."""
         fabrics = [fabric for _, fabric in self._world.cloths]
         ends = np.cumsum([len(mesh.triangles) for mesh, _ in self._world.cloths])
-        rows = np.zeros((len(fabrics), 5, 4), "f4")
+        rows = np.zeros((len(fabrics), 6, 4), "f4")
         stride = 16 * (4 + int(constant("MAX_TANGENTS")))
         records = b""
         for row, fabric, end in zip(rows, fabrics, ends, strict=True):
@@ -164,6 +189,7 @@ class PathTracer:
             if (t := fabric.transmission) is not None:
                 row[1], row[2, :3] = (t.rho, t.k_a, t.k_t, t.diffuse), t.tau
                 row[3] = t.eta_1, t.eta_2, reflection_limit(fabric), 1.0
+                row[5, :2] = t.roughness, t.roughness_p
             row[4, :3] = row[3, 2] * mean_albedo(fabric)
             records += fabric_records(fabric).ljust(stride, b"\0")
         self._cloth.write(rows)
@@ -192,6 +218,8 @@ class PathTracer:
             "background": view.background,
             "size": view.size,
             "most_vertices": view.vertices,
+            **_lamp_inputs(view.lamp),
+            **({"spread": view.spread} if self._sheer is not None else {}),
             "ray_from_pixel": view.camera.ray_from_pixel(view.size),
             "origin_from_pixel": view.camera.origin_from_pixel(view.size),
             "lens_x": tuple(radius * right),
@@ -204,6 +232,11 @@ class PathTracer:
         return {"cloth_data": self._cloth, "fabric_data": self._fabric}
 
     @property
+    def batch(self) -> int:
+        """How many samples a dispatch adds, of what was taken."""
+        return BATCH if self._sheer is None else SHEER_BATCH
+
+    @property
     def _structure(self) -> Structure:
         ground = self._world.ground
         return self._tree if ground is None else OverGround(self._tree, ground[0])
@@ -211,6 +244,8 @@ class PathTracer:
     def _program(self) -> Compute:
         defines, virtual, _ = sight(self._structure, self._sheer, "inputs/tracing/sight_either.glsl")
         virtual["sky.glsl"] = self.sky.source
+        if self._sheer is not None:
+            virtual["sight.glsl"] = "inputs/tracing/sight_sheer.glsl"
         return programs(self.ctx).compute("passes/tracing/path.comp", defines, virtual)
 
     def steps(
@@ -230,7 +265,7 @@ class PathTracer:
         progress = self.progress = Progress()
         program, inputs, look = self._program(), self._inputs(view), LEAST_SAMPLES
         while progress.samples < samples:
-            count = min(BATCH, samples - progress.samples)
+            count = min(self.batch, samples - progress.samples)
             while progress.pixels < pixels:
                 begin, part = time.perf_counter(), min(self._part, pixels - progress.pixels)
                 where = {"first_pixel": progress.pixels, "pixel_count": part}
@@ -274,7 +309,14 @@ class PathTracer:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for one in (self.sky, self._sheets, self._tree, self._solid, self._cloth, self._fabric, self._sums):
+        parts = self.sky, self._hits, self._sheets, self._tree, self._solid, self._cloth, self._fabric, self._sums
+        for one in parts:
             one.release()
         if self._triangles is not None:
             self._triangles.release()
+
+
+def _lamp_inputs(lamp: Lamp | None) -> dict[str, Any]:
+    if lamp is None:
+        return {"lamp": (0.0, 0.0, 0.0), "intensity": (0.0, 0.0, 0.0), "has_lamp": False}
+    return {"lamp": lamp.position, "intensity": lamp.intensity, "has_lamp": True}

@@ -13,6 +13,7 @@ from ..light.environment import Environment
 from .lamp import Lighting
 
 DEEPEST = 8
+MOST_SPP = 4096
 
 
 @dataclass(frozen=True)
@@ -33,8 +34,8 @@ class TraceSettings:
     def __post_init__(self) -> None:
         if not 1 <= self.depth <= DEEPEST:
             raise InputError(f"depth = {self.depth}, expected 1 to {DEEPEST} generations of rays")
-        if not 1 <= self.spp <= 4096:
-            raise InputError(f"spp = {self.spp}, expected 1 to 4096 samples per pixel")
+        if not 1 <= self.spp <= MOST_SPP:
+            raise InputError(f"spp = {self.spp}, expected 1 to {MOST_SPP} samples per pixel")
         if not 0 <= self.cutoff < 1:
             raise InputError(f"cutoff = {self.cutoff}, expected 0 or more and less than 1")
 

@@ -28,19 +28,33 @@ class Sky:
         self._map = EnvironmentMap(ctx)
         self._cells = TextureBuffer(ctx, 16)
         self._lights, self._shares, self._suns = TextureBuffer(ctx, 16), TextureBuffer(ctx, 16), TextureBuffer(ctx, 16)
+        self._portals = TextureBuffer(ctx, 16)
         self._split: Last[tuple[Suns, Environment]] = Last()
         self._taken: Last[dict[str, Any]] = Last()
         self._sun: Last[None] = Last()
         self.suns = Suns()
         self.source = ""
 
-    def take_map(self, environment: Environment, rotation: np.ndarray) -> None:
-        """The light of a map turned by a rotation [3, 3]; its suns have no size."""
+    def take_map(self, environment: Environment, rotation: np.ndarray, suns: bool = True) -> None:
+        """The light of a map turned by a rotation [3, 3], with its suns or without; these have no size."""
         self.source = "inputs/tracing/path_sky_map.glsl"
-        suns, rest = self._split.get(lambda: _split(environment), environment)
-        self._take_suns(suns.rotated(rotation))
+        split, rest = self._split.get(lambda: _split(environment), environment)
+        self._take_suns(split.rotated(rotation) if suns else Suns())
         inputs = self._taken.get(lambda: self._put_map(rest), rest)
         self._inputs = inputs | {"environment_from_world": np.asarray(rotation).T}
+
+    def take_portal(self, environment: Environment, rotation: np.ndarray, portals: np.ndarray) -> None:
+        """The light of a map without its suns as it shines in through rectangles, [W, 3, 3]: a corner and two sides, m."""
+        self.source = "inputs/tracing/path_sky_portal.glsl"
+        _, rest = self._split.get(lambda: _split(environment), environment)
+        self._take_suns(Suns())
+        self._portals.write(portal_records(portals))
+        self._inputs = {
+            "sky_map": self._map.texture(rest),
+            "portal_data": self._portals,
+            "portal_count": len(portals),
+            "environment_from_world": np.asarray(rotation).T,
+        }
 
     def take_lights(self, lights: Lights) -> None:
         """The light of Gaussians and suns, in world space."""
@@ -74,7 +88,7 @@ class Sky:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for one in (self._map, self._cells, self._lights, self._shares, self._suns):
+        for one in (self._map, self._cells, self._lights, self._shares, self._suns, self._portals):
             one.release()
 
 
@@ -94,6 +108,17 @@ def sun_records(suns: Suns) -> np.ndarray:
             np.cumsum(share),
             suns.irradiance / share[:, None],
         )
+    return rows
+
+
+def portal_records(portals: np.ndarray) -> np.ndarray:
+    """[W, 3, 4] float32: a corner with the sum of shares, a side with the share, by which one is drawn, the other side."""
+    portals = np.asarray(portals, float)
+    area = np.linalg.norm(np.cross(portals[:, 1], portals[:, 2]), axis=1)
+    rows = np.zeros((len(portals), 3, 4), "f4")
+    rows[..., :3] = portals
+    rows[:, 1, 3] = area / area.sum()
+    rows[:, 0, 3] = np.cumsum(area / area.sum())
     return rows
 
 

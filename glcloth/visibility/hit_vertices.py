@@ -106,6 +106,11 @@ class HitVertices:
         """The same corners and vertices by the names of inputs/visibility/sheets.glsl, for passes that have others."""
         return {"hit_corners": self._corners, "hit_vertices": self._vertices}
 
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self._corners.release()
+        self._vertices.release()
+
 
 def _ground_uniforms(ground: Ground, first: int) -> dict[str, Any]:
     """The uniforms of inputs/visibility/ground_cell.glsl; `first` is the number of the ground's first vertex."""

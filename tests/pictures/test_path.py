@@ -1,5 +1,6 @@
 """Method `path`: what it draws has the density it says, and its pictures are closed forms or those of the reference."""
 
+import moderngl
 import numpy as np
 import pytest
 from scipy import stats
@@ -14,6 +15,8 @@ from glcloth.gpu.buffers import Buffer
 from glcloth.gpu.programs import programs
 from glcloth.light.environment import Environment
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.picture.pace import Pace
+from glcloth.picture.path import PathPictures
 from glcloth.tracing.energy import mean_albedo, reflection_limit
 from glcloth.tracing.path import PathTracer, PathWorld
 from glcloth.tracing.sky import alias_cells, alias_table
@@ -237,3 +240,32 @@ def test_it_stops_at_the_noise_that_is_asked_for(renderer):
 def test_what_it_cannot_do(renderer, changes, said):
     with pytest.raises(InputError, match=said):
         renderer.render(method="path", size=(16, 12), **changes)
+
+
+def test_sheer_cloth_is_sampled_once_a_dispatch_and_all_is_freed(renderer):
+    look = dict(mesh="drape", method="path", size=(16, 12), light="sg", env="sky", spp=3)
+    for fabric, steps in (("linen", 1), ("sheer_voile", 3)):
+        frame = renderer.prepare(fabric=fabric, **look)
+        assert len([done for done, _ in renderer.steps(frame)]) == steps
+    pictures = PathPictures(renderer.ctx)
+    target = renderer.ctx.simple_framebuffer((16, 12), 4, dtype="f4")
+    list(pictures.steps(frame, target, Pace()))
+    buffers = held_buffers(pictures.tracer)
+    assert len(buffers) > 10
+    pictures.release()
+    assert all(isinstance(buffer.buffer.mglo, moderngl.InvalidObject) for buffer in buffers)
+
+
+def held_buffers(thing, seen=None):
+    """All buffers that an object holds, through its own parts."""
+    seen = set() if seen is None else seen
+    if id(thing) in seen:
+        return []
+    seen.add(id(thing))
+    if isinstance(thing, Buffer):
+        return [thing]
+    if isinstance(thing, dict | list | tuple):
+        parts = list(thing.values() if isinstance(thing, dict) else thing)
+    else:
+        parts = list(vars(thing).values()) if type(thing).__module__.startswith("glcloth") else []
+    return [buffer for part in parts for buffer in held_buffers(part, seen)]

@@ -4,7 +4,7 @@
 uniform samplerBuffer share_data;  // of each Gaussian its share of the draws; the sum of those up to it
 
 // Radiance, and the density of `sky_direction` per solid angle.
-vec3 sky_radiance(vec3 omega, out float pdf) {
+vec3 sky_radiance(vec3 from, vec3 omega, out float pdf) {
     vec3 L = vec3(0.0);
     pdf = 0.0;
     int k = 0;
@@ -18,7 +18,7 @@ vec3 sky_radiance(vec3 omega, out float pdf) {
 }
 
 // By a number that chooses, and two that place.
-vec3 sky_direction(vec2 choice, vec2 place) {
+vec3 sky_direction(vec3 from, vec2 choice, vec2 place) {
     int k = 0;
     while (k + 1 < gaussian_count && choice.x >= texelFetch(share_data, k).y) ++k;
     Gaussian g = fetch_gaussian(k);

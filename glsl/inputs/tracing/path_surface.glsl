@@ -14,9 +14,12 @@ uniform int cloth_count;
 uniform int cloth_triangles;         // of all cloths; the objects' follow
 uniform int solid_triangles;
 
-const int CLOTH_TEXELS = 5;
+const int CLOTH_TEXELS = 6;
 const float OFFSET = 0.02;           // of the triangle's size: how far rays start from it
+const float FLAT_OFFSET = 2e-5;      // of a flat one, of the distance from the origin
 const float GROUND_OFFSET = 1e-5;    // of the distance
+
+float most(vec3 v) { return max(v.r, max(v.g, v.b)); }
 
 struct Point {
     int cloth;        // -1: it is matt
@@ -60,7 +63,10 @@ Point point_at(int triangle, vec2 at, vec3 d) {
     vec3 N = facing_normal(normalize(w.x * n_a + w.y * n_b + w.z * n_c), -d, clamp(-dot(N_g, d), 0.02, 0.1));
     x = orthogonal_part(x, N);
     vec3 p = w.x * a + w.y * b + w.z * c;
-    vec3 off = OFFSET * sqrt(area_2) * N_g;
+    float apart = OFFSET * sqrt(area_2);
+    // A wall of two triangles is no curved surface, and light comes close to it.
+    if (min(dot(n_a, n_b), dot(n_b, n_c)) > 0.999999) apart = min(apart, FLAT_OFFSET * (1.0 + most(abs(p))));
+    vec3 off = apart * N_g;
     bool cloth = triangle < cloth_triangles;
     vec3 reflectance = cloth ? vec3(0.0) : texelFetch(solid_data, triangle - cloth_triangles).rgb;
     // Seen from behind, x stays and y stays: (x, y, -N) has the other handedness.

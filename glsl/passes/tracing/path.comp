@@ -1,14 +1,17 @@
 #version 430
 // Progressive path tracing: some samples of every pixel of a part of the picture, added to sums.   [Kajiya 1986; own]
-// Light is sampled at every vertex (a sun; a direction of the sky, weighted by the balance heuristic against those that
+// Light is sampled at every vertex (a sun; the lamp; a direction of the sky, weighted by the balance heuristic against those that
 // the surface draws   [Veach 1995]), and paths end by Russian roulette. Defines: SHEER, where cloth lets light through.
-// At most four samples a dispatch: loops may end silently after 65,535 iterations.
+// Few samples a dispatch (glcloth/tracing/path.py): loops may end silently after 65,535 iterations.
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 #include "sight.glsl"
 #include "inputs/tracing/path_fabric.glsl"
 #include "core/equirect.glsl"
 #include "sky.glsl"
+#ifdef SHEER
+#include "trace/spread.glsl"
+#endif
 layout(std430) buffer Sums { vec4 sums[]; };  // SUM_TEXELS a pixel: light and its luminance squared; N, cover; albedo, -
 uniform sampler2D environment_map;  // behind all
 uniform mat3 map_from_world;
@@ -26,6 +29,9 @@ uniform vec3 lens_y;
 uniform float focus;                // along the view
 uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, -)
 uniform int drawn_suns;
+uniform vec3 lamp;                  // where it is; it has no size
+uniform vec3 intensity;             // W/sr
+uniform bool has_lamp;
 
 const int SUM_TEXELS = 3;
 const int STEPS = 24;               // surfaces on a path, those that let it go on straight among them
@@ -41,17 +47,31 @@ vec3 rnd() {
     return vec3(hash3(state) >> 8u) / 16777216.0;
 }
 
-float most(vec3 v) { return max(v.r, max(v.g, v.b)); }
-
 struct Path {
     vec3 o, d;
     float from;      // hits count beyond
     vec3 T;          // what light at its end counts for
     float pdf;       // with which d was drawn, where it might have been drawn from the sky; 0: it could not
     bool seen;       // straight from the eye
+    bool early;      // nothing has scattered it yet
     int vertices;
     bool more;
 };
+
+#ifdef SHEER
+vec3 corner_of(int triangle, int k) {
+    return texelFetch(hit_vertices, 3 * texelFetch(hit_corners, 3 * triangle + k).x).xyz;
+}
+
+uniform bool spread;  // what yarns let through is drawn from its lobes, instead of the narrow ones going straight on
+
+// The share of light that goes straight on.
+vec3 straight_through(Sheet sheet) {
+    if (!spread || sheet.number < 0) return T_s_of(sheet);
+    vec4 p = texelFetch(sheet_data, 2 * sheet.number);
+    return vec3(p.y * T_open(sheet.omega, p.x));
+}
+#endif
 
 struct Sample {
     vec3 L;
@@ -60,22 +80,37 @@ struct Sample {
     float cover;
 };
 
+// The light that is left along a ray of what comes from that far away.
 #ifdef SHEER
-vec3 light_left(vec3 o, vec3 d) {
-    Visit first;
-    return left_along(o, d, first);
+vec3 light_left(vec3 o, vec3 d, float reach) {
+    Visit visit = shadow_visit(reach);
+    Ray ray = make_ray(o, d, 0.0, reach);
+    traverse(ray, visit);
+    vec3 T = vec3(visit.t > 0.0 ? 1.0 : 0.0);
+    int n = visit.t > 0.0 ? visit.layers : 0;
+    while (n-- > 0 && worth(T)) {
+        int t = int(visit.latest.x);
+        vec4 hit = meet_triangle(ray, corner_of(t, 0), corner_of(t, 1), corner_of(t, 2));
+        visit.triangle = uint(t);
+        visit.weights = hit.yz;
+        T *= straight_through(sheet_at(visit, d));
+        visit.latest = uvec4(visit.latest.yzw, visit.earlier.x);
+        visit.earlier.xyz = visit.earlier.yzw;
+    }
+    return worth(T) ? T : vec3(0.0);
 }
 #else
-vec3 light_left(vec3 o, vec3 d) {
-    Visit visit = Visit(3e38, ANY_HIT, vec2(0.0));
-    traverse(make_ray(o, d, 0.0, 3e38), visit);
+vec3 light_left(vec3 o, vec3 d, float reach) {
+    Visit visit = Visit(reach, ANY_HIT, vec2(0.0));
+    traverse(make_ray(o, d, 0.0, reach), visit);
     return vec3(visit.t > 0.0 ? 1.0 : 0.0);
 }
 #endif
 
 // What a point sends toward where the ray comes from, of light from a direction (its frame), and the density with which it
-// draws that direction: `chances` of reflection and of what comes evenly through.
-vec3 scattered(Point point, Fabric fabric, vec3 omega_i, vec3 omega_o, vec2 chances, out float pdf) {
+// draws that direction: `chances` of reflection and of what comes evenly through. `lobes`: of light from behind not the even
+// share alone, but all that yarns let through.
+vec3 scattered(Point point, Fabric fabric, vec3 omega_i, vec3 omega_o, vec2 chances, bool lobes, out float pdf) {
     if (point.cloth < 0) {
         pdf = max(omega_i.z, 0.0) / PI;
         return point.reflectance * pdf;
@@ -86,34 +121,56 @@ vec3 scattered(Point point, Fabric fabric, vec3 omega_i, vec3 omega_o, vec2 chan
     if (omega_i.z < 0.0) {
         vec4 p = texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 1);
         vec3 tau = texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 2).xyz;
-        f = f_lambert(vec3(omega_i.xy, -omega_i.z), vec3(omega_o.xy, -omega_o.z), p.z, tau, p.x, p.w);
+        vec3 i = vec3(omega_i.xy, -omega_i.z), o = vec3(omega_o.xy, -omega_o.z);
+        if (lobes) {
+            vec4 q = texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 3);
+            vec2 rough = texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 5).xy;
+            f = absorption(i, o, tau) * f_through(i, o, p.z, p.x, rough.x, q.x, q.y, p.w, rough.y);
+        } else {
+            f = f_lambert(i, o, p.z, tau, p.x, p.w);
+        }
         pdf = chances.y * -omega_i.z / PI;
+        // Drawn directions are then those of the lobes, and no light is sampled there but the lamp, which they never meet.
+        if (spread) {
+            f = lobes ? f : vec3(0.0);
+            pdf = 0.0;
+        }
     }
 #endif
     return f;
 }
 
-// The light of a sun (`of_sun`) or of a direction of the sky that reaches a point and goes on along the path.
-vec3 lit(Point point, Fabric fabric, vec3 omega_o, vec2 chances, bool of_sun, vec3 T) {
+const int SUN = 0, SKY = 1, LAMP = 2;
+
+// The light of a sun, of a direction of the sky or of the lamp that reaches a point and goes on along the path.
+vec3 lit(Point point, Fabric fabric, vec3 omega_o, vec2 chances, int kind, Path path) {
     vec3 choice = rnd(), place = rnd();
     vec3 d, light;
-    float pdf_sky = 0.0, pdf;
-    if (of_sun) {
+    float pdf_sky = 0.0, pdf, reach = 3e38;
+    if (kind == LAMP) {
+        vec3 way = lamp - (dot(lamp - point.origin, point.N_g) < 0.0 ? point.behind : point.origin);
+        reach = max(length(way), 1e-6);
+        d = way / reach;
+        light = intensity / (reach * reach);
+    } else if (kind == SUN) {
         int s = 0;
         while (s + 1 < drawn_suns && choice.x >= texelFetch(sun_data, 2 * s).w) ++s;
         d = texelFetch(sun_data, 2 * s).xyz;
         light = texelFetch(sun_data, 2 * s + 1).rgb;
     } else {
-        d = sky_direction(choice.xy, place.xy);
-        light = sky_radiance(d, pdf_sky);
+        d = sky_direction(point.origin, choice.xy, place.xy);
+        light = sky_radiance(point.origin, d, pdf_sky);
     }
     vec3 omega_i = d * point.frame;
-    vec3 f = scattered(point, fabric, omega_i, omega_o, chances, pdf);
-    vec3 L = T * f * light * (of_sun ? 1.0 : 1.0 / max(pdf_sky + pdf, 1e-20));
+    // A lamp without size is met by no ray that goes straight on: what narrow lobes bring of it to the eye is added here.
+    // After that they belong to the straight rays.
+    bool lobes = kind == LAMP && path.early;
+    vec3 f = scattered(point, fabric, omega_i, omega_o, chances, lobes, pdf);
+    vec3 L = path.T * f * light * (kind == SKY ? pdf_sky > 0.0 ? 1.0 / (pdf_sky + pdf) : 0.0 : 1.0);
     bool worth_it = most(abs(L)) > DARK;
     // A ray that is not worth it is sent nowhere.
     vec3 left = vec3(0.0);
-    if (worth_it) left = light_left(omega_i.z < 0.0 ? point.behind : point.origin, d);
+    if (worth_it) left = light_left(omega_i.z < 0.0 ? point.behind : point.origin, d, reach);
     return L * left;
 }
 
@@ -122,7 +179,7 @@ vec3 from_sky(Path path) {
     vec3 behind = background ? textureLod(environment_map, uv_from_direction(normalize(map_from_world * path.d)), 0.0).rgb
         : vec3(0.0);
     float pdf_sky;
-    vec3 light = sky_radiance(path.d, pdf_sky);
+    vec3 light = sky_radiance(path.o, path.d, pdf_sky);
     light *= path.pdf > 0.0 ? path.pdf / (path.pdf + pdf_sky) : 1.0;
     return path.T * (path.seen ? behind : light);
 }
@@ -132,7 +189,7 @@ void scatter(inout Path path, Point point, Fabric fabric, vec3 omega_o, vec2 cha
     vec3 u = rnd();
     bool through = false;
     vec3 omega_i;
-    path.seen = false;
+    path.seen = path.early = false;
 #ifdef SHEER
     through = u.z * (chances.x + chances.y) >= chances.x;
     if (!through) u.z = u.z * (chances.x + chances.y) / max(chances.x, 1e-20);
@@ -141,7 +198,7 @@ void scatter(inout Path path, Point point, Fabric fabric, vec3 omega_o, vec2 cha
     else omega_i = drawn_direction(fabric, omega_o, min(u.z, 0.9999999), u.xy);
     omega_i.z *= through ? -1.0 : 1.0;
     float pdf;
-    vec3 f = scattered(point, fabric, omega_i, omega_o, chances, pdf);
+    vec3 f = scattered(point, fabric, omega_i, omega_o, chances, false, pdf);
     // A lobe may reach below the horizon, where only what goes through is drawn.
     path.T *= pdf > 0.0 && through == omega_i.z < 0.0 ? f / pdf : vec3(0.0);
     path.pdf = pdf;
@@ -173,6 +230,11 @@ Shares shares_of(Point point, vec3 omega_o) {
     vec3 tau = texelFetch(cloth_data, first + 2).xyz, albedo = texelFetch(cloth_data, first + 4).rgb;
     if (point.cloth < 0 || q.w == 0.0) return Shares(vec3(0.0), vec3(0.0), 0.0, vec4(1.0, 0.0, 0.0, 0.0));
     vec3 straight = T_straight(omega_o, p.y, p.z, tau, p.x, p.w), evenly = T_lambert(omega_o, p.z, tau, p.x, p.w);
+    if (spread) {
+        vec4 parts = straight_parts(omega_o, p.y, p.z, tau, p.x);
+        straight = vec3(parts.a);
+        evenly = parts.rgb;
+    }
     float mirrored = R_limited(R_sheet(omega_o, p.z, p.x, q.x, q.y), straight + evenly, albedo);
     vec4 chances = vec4(max(most(albedo), LEAST_REFLECTED), most(evenly), most(straight), mirrored);
     return Shares(straight, evenly, mirrored, chances / dot(chances, vec4(1.0)));
@@ -190,6 +252,23 @@ void go_mirrored(inout Path path, Point point, float T) {
     path.from = 0.0;
     path.pdf = 0.0;
     path.seen = false;
+    path.vertices += 1;
+}
+#endif
+
+#ifdef SHEER
+// The path goes on through the yarns in a direction of their lobes.
+void go_spread(inout Path path, Point point, vec3 omega_o, vec3 T) {
+    vec4 p = texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 1), q = texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 3);
+    vec2 rough = texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 5).xy;
+    vec3 u = rnd();
+    vec3 d = point.frame * yarn_direction(omega_o, u.xy, u.z, rough.x, q.x, q.y, p.w, rough.y);
+    path.T *= dot(d, point.N_g) < 0.0 ? T : vec3(0.0);
+    path.d = d;
+    path.o = point.behind;
+    path.from = 0.0;
+    path.pdf = 0.0;
+    path.seen = path.early = false;
     path.vertices += 1;
 }
 #endif
@@ -224,16 +303,23 @@ void meet(inout Path path, Visit visit, inout Sample one) {
         return;
     }
 #endif
-    int kind = drawn_suns > 0 ? 0 : 1;
+    int kind = drawn_suns > 0 ? SUN : SKY;
+    int kinds = has_lamp ? LAMP : SKY;
     do {
-        one.L += lit(point, fabric, omega_o, chances, kind == 0, path.T);
-    } while (++kind < 2);
+        one.L += lit(point, fabric, omega_o, chances, kind, path);
+    } while (++kind <= kinds);
 #ifdef SHEER
     if (pick >= shares.chances.z) go_mirrored(path, point, shares.mirrored / max(shares.chances.w, 1e-20));
     else if (pick >= 0.0) go_straight(path, shares.straight / shares.chances.z, visit.t);
+    else if (spread && pick + chances.y >= 0.0) go_spread(path, point, omega_o, shares.evenly / chances.y);
     else
 #endif
+    {
+#ifdef SHEER
+        chances.y *= spread ? 0.0 : 1.0;
+#endif
         scatter(path, point, fabric, omega_o, chances);
+    }
     roulette(path);
 }
 
@@ -244,11 +330,11 @@ Sample sample_of(ivec2 pixel) {
     float r = sqrt(on_lens.x), turn = 2.0 * PI * on_lens.y;
     vec3 step_off = r * (cos(turn) * lens_x + sin(turn) * lens_y);
     d = normalize(d - step_off / focus);
-    Path path = Path(o + step_off, d, 0.0, vec3(1.0), 0.0, true, 0, true);
+    Path path = Path(o + step_off, d, 0.0, vec3(1.0), 0.0, true, true, 0, true);
     Sample one = Sample(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
     int steps = 0;
     do {
-        Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
+        Visit visit = closest_visit();
         traverse(make_ray(path.o, path.d, path.from, 3e38), visit);
         if (visit.triangle == NO_TRIANGLE) {
             one.L += from_sky(path);
