@@ -167,6 +167,8 @@ class ClothSurface(Surface):
     def inputs(self, view: PixelView) -> dict[str, Any]:
         """What these programs read beside the G-buffer."""
         seen = {} if self.visibility.mode == "off" else view.inputs(self.scene_buffers)
+        if self.method.traced:
+            seen = seen | view.drawn_inputs()
         return {**self.scene_buffers.inputs(), **seen, **self.method.inputs()}
 
     def shade(

@@ -4,6 +4,10 @@
 #include "inputs/accel/ray.glsl"
 #include "inputs/accel/visit_closest.glsl"
 #include "accel.glsl"
+// Defines: FINER, where rays may meet the triangles of passes/visibility/finer.comp.
+#ifdef FINER
+#include "inputs/visibility/coarse.glsl"
+#endif
 uniform samplerBuffer sheet_data;   // two texels a cloth: rho, k_a, k_t, diffuse; tau, the triangle behind its last
 uniform int sheet_count;            // triangles behind the last cloth's hide light
 uniform isamplerBuffer hit_corners;  // three a triangle, in the order that hits are weighted in
@@ -18,6 +22,9 @@ struct Sheet {
 };
 
 Sheet sheet_at(Visit visit, vec3 d) {
+#ifdef FINER
+    visit = coarse(visit);
+#endif
     int t = int(visit.triangle), c = 0;
     while (c < sheet_count && float(t) >= texelFetch(sheet_data, 2 * c + 1).w) ++c;
     if (c == sheet_count || texelFetch(sheet_data, 2 * c).yz == vec2(0.0)) return Sheet(-1, vec3(0.0));

@@ -8,6 +8,7 @@ layout(local_size_x = 64) in;
 #include "sight.glsl"
 #include "inputs/tracing/path_fabric.glsl"
 #include "core/equirect.glsl"
+#include "trace/sun_disc.glsl"
 #include "sky.glsl"
 layout(std430) buffer Sums { vec4 sums[]; };  // SUM_TEXELS a pixel: light and its luminance squared; N, cover; albedo, -
 uniform sampler2D environment_map;  // behind all
@@ -24,7 +25,7 @@ uniform mat3 origin_from_pixel;
 uniform vec3 lens_x;                // half axes of the lens
 uniform vec3 lens_y;
 uniform float focus;                // along the view
-uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, -)
+uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, tangent of its radius)
 uniform int drawn_suns;
 
 const int SUM_TEXELS = 3;
@@ -101,8 +102,10 @@ vec3 lit(Point point, Fabric fabric, vec3 omega_o, vec2 chances, bool of_sun, ve
     if (of_sun) {
         int s = 0;
         while (s + 1 < drawn_suns && choice.x >= texelFetch(sun_data, 2 * s).w) ++s;
-        d = texelFetch(sun_data, 2 * s).xyz;
-        light = texelFetch(sun_data, 2 * s + 1).rgb;
+        vec4 sun = texelFetch(sun_data, 2 * s + 1);
+        float turn = 2.0 * PI * place.y;
+        d = disc_direction(texelFetch(sun_data, 2 * s).xyz, sun.w, sqrt(place.x) * vec2(cos(turn), sin(turn)));
+        light = sun.rgb;
     } else {
         d = sky_direction(choice.xy, place.xy);
         light = sky_radiance(d, pdf_sky);
