@@ -3,12 +3,11 @@
 import numpy as np
 
 
-def disc_point(n, turn):
-    """Point [..., 2] number n of an even sequence over the unit disk, R2, turned by `turn` of a whole turn.   [own]"""
-    n, turn = np.asarray(n), np.asarray(turn, float)
-    u = np.modf(0.5 + n[..., None] * np.array([0.7548776662466927, 0.5698402909980532]))[0]
-    phi = 2.0 * np.pi * (u[..., 1] + turn)
-    return np.sqrt(u[..., :1]) * np.stack([np.cos(phi), np.sin(phi)], -1)
+def disc_point(n, count, turn):
+    """Point [..., 2] number n of `count` spread evenly over the unit disk, turned by `turn` of a whole turn.   [own]"""
+    n, count, turn = np.asarray(n), np.asarray(count), np.asarray(turn, float)
+    phi = 2.0 * np.pi * (np.modf(0.3819660112501051 * n)[0] + turn)
+    return np.sqrt((n + 0.5) / count)[..., None] * np.stack([np.cos(phi), np.sin(phi)], -1)
 
 
 def disc_direction(middle, tan_radius, at):
@@ -25,4 +24,4 @@ def disc_direction(middle, tan_radius, at):
 
 def disc_directions(middle, radius, count):
     """Directions [count, 3] spread evenly over a disc about `middle` [3]."""
-    return disc_direction(np.tile(middle, (count, 1)), np.full(count, np.tan(radius)), disc_point(np.arange(count), 0.0))
+    return disc_direction(np.tile(middle, (count, 1)), np.full(count, np.tan(radius)), disc_point(np.arange(count), count, 0.0))

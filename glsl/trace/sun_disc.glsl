@@ -1,12 +1,11 @@
 // Points of a sun, which is a disc far away.   Twin: glcloth/twins/sun_disc.py
 #include "core/math.glsl"
 
-// [own]  Point n of an even sequence over the unit disk: R2 (Roberts 2018, "The unreasonable effectiveness of quasirandom
-// sequences"), its first number the area up to the point's radius; all turned by `turn` of a whole turn.
-vec2 disc_point(int n, float turn) {
-    vec2 u = fract(0.5 + vec2(0.7548776662466927, 0.5698402909980532) * float(n));
-    float phi = 2.0 * PI * (u.y + turn);
-    return sqrt(u.x) * vec2(cos(phi), sin(phi));
+// [own]  Point n of so many spread evenly over the unit disk, turned by `turn` of a whole turn: Vogel's spiral (1979), so that
+// the mean over all turns is that over the disk.
+vec2 disc_point(int n, int count, float turn) {
+    float phi = 2.0 * PI * (fract(0.3819660112501051 * float(n)) + turn);
+    return sqrt((float(n) + 0.5) / float(count)) * vec2(cos(phi), sin(phi));
 }
 
 // [own]  The direction toward a point of a disc of angular radius atan(tan_radius) about `middle`.

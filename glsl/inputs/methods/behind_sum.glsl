@@ -1,6 +1,7 @@
 // What comes through cloth from its other side, but for what goes straight on, as the sum over every direction of a cube map
 // and the suns: "behind.glsl" of method reference. Each pass adds `direction_count` directions from `first_direction` on.
 #include "along.glsl"
+#include "inputs/picture/gbuffer.glsl"
 #include "inputs/visibility/origin_behind.glsl"
 // Defines: FINER, where suns are hidden by finer triangles.
 #ifdef FINER

@@ -1,6 +1,7 @@
 // Method `reference` with shadows: a ray for every direction of the sum, and what it meets sends back.
 // Each pass adds `direction_count` directions from `first_direction` on; so no invocation nears a loop limit. Fragments only.
 #include "inputs/picture/fabric.glsl"
+#include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 #include "inputs/visibility/along_ray.glsl"
 // Defines: FINER, where suns are hidden by finer triangles.

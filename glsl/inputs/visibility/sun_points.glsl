@@ -5,7 +5,8 @@ uniform samplerBuffer sun_data;  // toward each sun's middle; tangent of its rad
 uniform int sun_count;           // at least 1
 uniform float first_turn;        // of this sample of the pixel
 
-const int SUN_POINTS = 8;
+const ivec2 SUN_POINTS = ivec2(8, 16);  // of a narrow disc, and of one
+const float WIDE = 0.0175;       // of a degree and more
 const int PATTERN = 16;          // pixels, four by four, whose first rays go to points of their own
 const float AGREE = 0.02;        // how far two pixels may differ
 
@@ -16,9 +17,11 @@ float turn_at(ivec2 pixel) {
 
 vec3 first_point(ivec2 pixel, vec4 sun) {
     int n = (pixel.x & 1) * 8 + (pixel.y & 1) * 4 + (pixel.x & 2) + (pixel.y >> 1 & 1);
-    return disc_direction(sun.xyz, sun.w, disc_point(n, first_turn));
+    return disc_direction(sun.xyz, sun.w, disc_point(n, PATTERN, first_turn));
 }
 
+int points_of(vec4 sun) { return sun.w < WIDE ? SUN_POINTS.x : SUN_POINTS.y; }
+
 vec3 point_of(ivec2 pixel, vec4 sun, int n) {
-    return disc_direction(sun.xyz, sun.w, disc_point(n, turn_at(pixel)));
+    return disc_direction(sun.xyz, sun.w, disc_point(n, points_of(sun), turn_at(pixel)));
 }

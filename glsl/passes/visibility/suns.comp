@@ -71,8 +71,8 @@ void main() {
         }
         if (lit && sun.w > 0.0 && !sure[s & 3]) {
             int n = 0;
-            do V += seen_of(x, point_of(pixel, sun, n)); while (++n < SUN_POINTS);
-            V /= float(SUN_POINTS);
+            do V += seen_of(x, point_of(pixel, sun, n)); while (++n < points_of(sun));
+            V /= float(points_of(sun));
             four *= vec4(notEqual(ivec4(s & 3), ivec4(0, 1, 2, 3)));
         }
 #endif

@@ -49,8 +49,8 @@ void main() {
         if (lit && sun.w > 0.0 && !agreed(pixel, s, own)) {
             own = vec4(0.0);
             int n = 0;
-            do own.rgb += left_along(x, point_of(pixel, sun, n), first); while (++n < SUN_POINTS);
-            own.rgb /= float(SUN_POINTS);
+            do own.rgb += left_along(x, point_of(pixel, sun, n), first); while (++n < points_of(sun));
+            own.rgb /= float(points_of(sun));
         }
         imageStore(seen_behind, ivec3(pixel, s), own);
 #endif
