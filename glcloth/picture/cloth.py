@@ -221,7 +221,7 @@ class ClothSurface(Surface):
         else:
             view.resolve_behind()
             table = irradiance_table(self.ctx, self._lights)
-            light = {**self.scene_buffers.inputs(), **table, **view.behind_inputs(self.scene_buffers)}
+            light = {**self.scene_buffers.inputs(), **table, **view.behind_inputs()}
         buffer.shade(program, self.straight_inputs(buffer), light, {"pass_weight": weight}, add=True, rows=rows)
 
     def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:

@@ -69,7 +69,7 @@ class Stage:
         if frame.objects is not None:
             self._solids.prepare(frame, self.cloths[0])
             self.surfaces.append(self._solids)
-        self._bounces = mode == "full" and frame.scene.bounce and len(self.surfaces) > 1
+        self._bounces = mode == "full" and frame.scene.bounce
         self._look(frame, mode)
         return self.surfaces
 
@@ -77,7 +77,7 @@ class Stage:
         """Give each surface its occluders; nothing is traced yet."""
         structure = self.occluders(frame) if mode != "off" else None
         hit_vertices = self._bounce.hit_vertices
-        several = len(self.surfaces) > 1
+        several = len(self.surfaces) > 1 or self._bounces
         sheets = self._sheets_of(structure)
         if structure is not None and several:
             hit_vertices.prepare([surface.hit_surface for surface in self.surfaces], structure.triangles)

@@ -40,7 +40,7 @@ CUT = 2.0  # mean edges by which the vertices may move in the mean from pose to 
 
 @dataclass(frozen=True, eq=False)
 class Occluders:
-    """Everything that hides light but the mesh itself.
+    """Everything that hides light and is not the mesh itself, and what all rays meet.
 
     Parameters
     ----------
@@ -99,10 +99,12 @@ class PixelVisibility:
         self._sun_occluders = sun_occluders
         self.drawn_levels = round(np.log2(len(mesh.triangles) / max(len(original.triangles), 1)) / 2)
         self.mode, self._structure, self.lights, self.bounce = mode, structure, lights, bounce
-        self.occluders = occluders
+        before, self.occluders = self.occluders, occluders
         self.vertices.hit_vertices = None if occluders is None else occluders.hit_vertices
         self.sheets = self.vertices.sheets = sheets
         transmissions = () if sheets is None else sheets.transmissions
+        if (occluders is None) != (before is None):
+            self._meshes = ()  # rays must find what they end at
         if structure is not None and transmissions != self._transmissions:
             self._transmissions, self._meshes = transmissions, ()
         meshes = mesh, *self.others
@@ -184,15 +186,9 @@ class PixelVisibility:
 
     def inputs(self, fabric: SceneBuffers) -> dict[str, Any]:
         """The bounce's inputs from the fabric of this mesh, by their names in GLSL."""
-        if self.mode != "full" or not self.bounce:
+        if self.mode != "full" or not self.bounce or self.occluders is None:
             return {"albedo": np.zeros(3)}
-        albedo = self.furnace.albedo(fabric) * self.limit
-        if self.sheets is not None and self.occluders is None:
-            # Cloth that hides light sends back what it reflects and what comes evenly through it; it lets the straight share
-            # on, so that 1 - V is only the rest of what it covers.
-            albedo = np.minimum((albedo + self.passed.evenly) / np.maximum(1.0 - self.passed.straight, 1e-3), 1.0)
-        names: dict[str, Any] = {"albedo": albedo}
-        return names if self.occluders is None else names | {"views": self.furnace.views(fabric)}
+        return {"albedo": self.furnace.albedo(fabric) * self.limit, "views": self.furnace.views(fabric)}
 
 
 class PixelView:
@@ -327,7 +323,7 @@ class PixelView:
         names = {"drawn_vertices": mesh.vertices, "drawn_corners": mesh.indices}
         return names | {"drawn_levels": self.visibility.drawn_levels}
 
-    def behind_inputs(self, fabric: SceneBuffers) -> dict[str, Any]:
+    def behind_inputs(self) -> dict[str, Any]:
         """Inputs of inputs/visibility/behind_means.glsl but for the lights and the irradiance table."""
         visibility = self.visibility
         full, gathers = visibility.mode == "full", visibility.bounce and visibility.occluders is not None
@@ -339,7 +335,6 @@ class PixelView:
             "sees_gaussians": not full,
             "sees_suns": visibility.mode == "off",
             "gathers": full and gathers,
-            "albedo_behind": np.zeros(3) if gathers else visibility.inputs(fabric)["albedo"],
             **({} if self._seen_behind is None else {"seen_behind": self._seen_behind}),
         }
 
