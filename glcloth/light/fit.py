@@ -43,7 +43,7 @@ __all__ = [
 ]
 
 # Part of the cache key: another number when the same map would be fitted differently.
-VERSION = 3
+VERSION = 4
 MAX_LOBES = 64
 AUTO_LOBES = (5, 10, 16, 24, 40, 64)
 
@@ -77,14 +77,15 @@ class FitReport:
         whole = max(float(flux.sum() + luminance(s.irradiance).sum()), 1e-300)
         lines = [f"{self.environment}: {len(g)} lobes, {len(s)} suns ({self.share_of_suns:.0%} of the light)"]
         lines += ["      share  width  elevation  azimuth    red  green   blue"]
-        rows = [("lobe", f, k, x, a) for f, k, x, a in zip(flux, g.sharpness, g.axis, g.amplitude, strict=True)]
-        rows += [("sun ", luminance(e), None, d, e) for d, e in zip(s.direction, s.irradiance, strict=True)]
-        for kind, share, sharpness, axis, color in rows:
-            width = "     -" if sharpness is None else f"{np.degrees(np.sqrt(2 / max(sharpness, 1e-6))):6.1f}"
+        widths = np.sqrt(2 / np.maximum(g.sharpness, 1e-6))
+        rows = [("lobe", *row) for row in zip(flux, widths, g.axis, g.amplitude, strict=True)]
+        rows += [("sun ", *row) for row in zip(luminance(s.irradiance), s.radius, s.direction, s.irradiance, strict=True)]
+        for kind, share, radians, axis, color in rows:
+            width = f"{np.degrees(radians):6.1f}"
             elevation, azimuth = np.degrees(np.arcsin(axis[1])), np.degrees(np.arctan2(axis[0], axis[2]))
             line = f"{kind} {share / whole:6.1%} {width} {elevation:10.1f} {azimuth:8.1f}"
             lines.append(line + "".join(f" {c:6.3g}" for c in color))
-        lines.append("angles in degrees (width: where the lobe falls to 1/e; azimuth from +z toward +x)")
+        lines.append("angles in degrees (width: where the lobe falls to 1/e, the sun's radius; azimuth from +z toward +x)")
         errors = ", ".join(f"{fabric} {error:.1%}" for fabric, error in self.predicted.items())
         lines.append(f"residual {self.residual:.2%}; expected lighting error, of the mean brightness: {errors}")
         lines.append(f"{self.seconds:.2f} s" + (" (from the cache)" if self.cached else ""))
@@ -102,8 +103,8 @@ class FitReport:
                 for x, k, a, f in zip(g.axis, g.sharpness, g.amplitude, flux, strict=True)
             ],
             "suns": [
-                {"direction": d.tolist(), "irradiance": e.tolist()}
-                for d, e in zip(s.direction, s.irradiance, strict=True)
+                {"direction": d.tolist(), "irradiance": e.tolist(), "radius_deg": float(np.degrees(r))}
+                for d, e, r in zip(s.direction, s.irradiance, s.radius, strict=True)
             ],
             "residual": self.residual,
             "predicted_error": dict(self.predicted),
@@ -311,7 +312,7 @@ def _load_cached(path: Path, lobes: int | str) -> Lights | None:
         with np.load(path, allow_pickle=False) as data:
             lights = Lights(
                 SphericalGaussians(data["axis"], data["sharpness"], data["amplitude"]),
-                Suns(data["direction"], data["irradiance"]),
+                Suns(data["direction"], data["irradiance"], data["radius"]),
             )
     except Exception:  # a damaged archive raises almost anything; all of it means the same
         return None
@@ -331,4 +332,5 @@ def _save_cached(path: Path, lights: Lights) -> None:
                 amplitude=g.amplitude,
                 direction=s.direction,
                 irradiance=s.irradiance,
+                radius=s.radius,
             )

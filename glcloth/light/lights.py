@@ -11,6 +11,8 @@ from ..errors import InputError
 # Beyond these, squares and sums leave single precision.
 SHARPEST = 1e8
 BRIGHTEST = 1e12
+SUN_RADIUS = float(np.radians(0.27))  # of the sun as the earth sees it: half a degree across
+WIDEST_SUN = float(np.radians(10.0))  # as wide, a light is no direction any more
 
 
 def _frozen(array, dtype=np.float64) -> np.ndarray:
@@ -80,16 +82,21 @@ class SphericalGaussians:
 
 @dataclass(frozen=True)
 class Suns:
-    """Directional lights.
+    """Directional lights: discs so far away that they look the same from everywhere. Fabrics are lit by their middles; their
+    shadows are as soft as the discs are wide.
 
     Parameters
     ----------
-    direction : [S, 3] toward each sun (normalised here)
+    direction : [S, 3] toward each sun's middle (normalised here)
     irradiance : [S, 3] linear Rec. 709 irradiance on a surface that faces the sun
+    radius : [S] or one for all, radians from 0 (a point: hard shadows) to 10 degrees; by default half a degree across
+
+    Raises InputError on wrong shapes and values.
     """
 
     direction: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     irradiance: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
+    radius: np.ndarray | float = SUN_RADIUS
 
     def __post_init__(self):
         direction = np.asarray(self.direction, float).reshape(-1, 3)
@@ -98,6 +105,13 @@ class Suns:
             raise InputError(f"suns: {len(direction)} directions but {len(irradiance)} irradiances, expected as many")
         if not (abs(irradiance) <= BRIGHTEST).all():
             raise InputError(f"suns: expected irradiances of at most {BRIGHTEST:.0e}; give less light")
+        radius = np.asarray(self.radius, float)
+        if radius.shape not in ((), (len(direction),)) or not ((radius >= 0.0) & (radius <= WIDEST_SUN)).all():
+            raise InputError(
+                f"suns: radius of shape {radius.shape}, expected one or {len(direction)} angles from 0 to "
+                f"{np.degrees(WIDEST_SUN):.0f} degrees (in radians here); give a wider light as a Gaussian"
+            )
+        object.__setattr__(self, "radius", _frozen(np.broadcast_to(radius, len(direction))))
         object.__setattr__(self, "direction", _frozen(_units("direction", direction)))
         object.__setattr__(self, "irradiance", _frozen(irradiance))
 
@@ -106,7 +120,7 @@ class Suns:
 
     def rotated(self, rotation: np.ndarray) -> Suns:
         """The same suns turned by a rotation matrix [3, 3]."""
-        return Suns(self.direction @ np.asarray(rotation, float).T, self.irradiance)
+        return Suns(self.direction @ np.asarray(rotation, float).T, self.irradiance, self.radius)
 
 
 @dataclass(frozen=True)

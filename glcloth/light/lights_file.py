@@ -10,7 +10,7 @@ import tomli_w
 
 from ..errors import InputError, short
 from ..files import atomic_write, path_of, read_json, read_text, read_toml
-from .lights import Lights, SphericalGaussians, Suns, as_lights
+from .lights import SUN_RADIUS, Lights, SphericalGaussians, Suns, as_lights
 
 FORMAT = "glcloth lights 1"
 _NOTE = "linear Rec. 709; +y up; radiance = sum of amplitude * exp(sharpness * (direction . axis - 1)), plus the suns"
@@ -36,7 +36,8 @@ def save_lights(path: str | Path, lights: Lights | SphericalGaussians, about: di
             for x, k, a in zip(g.axis, g.sharpness, g.amplitude, strict=True)
         ],
         "sun": [
-            {"direction": d.tolist(), "irradiance": e.tolist()} for d, e in zip(s.direction, s.irradiance, strict=True)
+            {"direction": d.tolist(), "irradiance": e.tolist(), "radius_deg": float(np.degrees(r))}
+            for d, e, r in zip(s.direction, s.irradiance, s.radius, strict=True)
         ],
     }
     text = json.dumps(data, indent=2) + "\n" if path.suffix.lower() == ".json" else tomli_w.dumps(data)
@@ -65,7 +66,11 @@ def load_lights(path: str | Path) -> Lights:
                 _column(path, gaussians, "gaussian", "sharpness", ()),
                 _column(path, gaussians, "gaussian", "amplitude", (3,)),
             ),
-            Suns(_column(path, suns, "sun", "direction", (3,)), _column(path, suns, "sun", "irradiance", (3,))),
+            Suns(
+                _column(path, suns, "sun", "direction", (3,)),
+                _column(path, suns, "sun", "irradiance", (3,)),
+                np.radians(_column(path, suns, "sun", "radius_deg", (), np.degrees(SUN_RADIUS))),
+            ),
         )
     except InputError as error:
         message = str(error)
@@ -79,11 +84,13 @@ def _table(path: Path, data: dict, key: str) -> list[dict]:
     return rows
 
 
-def _column(path: Path, rows: list[dict], key: str, field: str, shape: tuple) -> np.ndarray:
+def _column(
+    path: Path, rows: list[dict], key: str, field: str, shape: tuple, default: float | None = None
+) -> np.ndarray:
     result = np.zeros((len(rows), *shape))
     for number, row in enumerate(rows, 1):
         try:
-            value = np.array(row[field], float)
+            value = np.array(row[field] if default is None else row.get(field, default), float)
         except (KeyError, TypeError, ValueError, OverflowError):
             value = None
         if value is None or value.shape != shape or not np.all(np.isfinite(value)):

@@ -17,6 +17,7 @@ from ..gpu.programs import Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
 from ..light.lights import Lights
 from ..visibility.hit_vertices import HitVertices
+from ..visibility.finer import SunOccluders
 from ..visibility.sheets import Sheets
 from .settings import Settings
 
@@ -33,6 +34,7 @@ class Geometry:
     albedo : [3] of the first cloth
     reflectances : what inputs/visibility/reflectance.glsl reads of the others; None: there are none
     sheets : of the cloths, where any lets light through
+    sun_occluders : what hides suns; None: there are none
     """
 
     structure: Structure
@@ -41,6 +43,12 @@ class Geometry:
     albedo: np.ndarray
     reflectances: dict[str, Any] | None = None
     sheets: Sheets | None = None
+    sun_occluders: SunOccluders | None = None
+
+    @property
+    def finer(self) -> dict[str, int]:
+        """Defines, where the triangles that hide suns are finer."""
+        return {} if self.sun_occluders is None else self.sun_occluders.defines()
 
     @property
     def several(self) -> bool:
@@ -54,6 +62,8 @@ class Geometry:
             **self.hit_vertices.inputs(),
             **(self.reflectances or {}),
             **(self.sheets.inputs() if self.sheets is not None else {}),
+            "finer_levels": 0,
+            "own_levels": 0,
             "cloth_triangles": self.hit_vertices.first_triangle[1],
             "radiance_per_irradiance": self.albedo / np.pi,
         }

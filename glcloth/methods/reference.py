@@ -16,7 +16,8 @@ from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import Last, same
 from ..gpu.programs import Draw, programs
 from ..light.environment import cube_map, cube_map_of_gaussians
-from ..light.lights import Lights
+from ..light.lights import Lights, Suns
+from ..twins.sun_disc import disc_directions
 from ..visibility.sheets import sight
 from .albedo import diffuse_albedo
 from .method import Geometry, Method
@@ -27,6 +28,7 @@ from .settings import Settings
 CHUNK = 256
 TRACED_CHUNK = 64  # the steps and triangles of 64 rays count too
 LIT_CHUNK = 2  # directions that light the vertices at a time: a caller in between waits for no more
+SUN_POINTS = 64  # directions of a sun's disc, where it casts shadows
 BOUNCE_CUBE = 16  # edge of the cube map that lights the vertices for a bounce: irradiance is smooth
 
 
@@ -37,6 +39,15 @@ class Directions(NamedTuple):
     flux: np.ndarray  # [D, 3]
     solid_angle: np.ndarray  # [D]
     cast: np.ndarray  # [D], 1 where a ray decides whether the flux arrives
+
+
+def points_of(suns: Suns, count: int) -> Suns:
+    """So many points of each sun's disc as suns; for one its middle."""
+    if count == 1 or not len(suns):
+        return suns
+    each = zip(suns.direction, suns.radius, strict=True)
+    direction = np.concatenate([disc_directions(middle, radius, count) for middle, radius in each])
+    return Suns(direction, np.repeat(suns.irradiance / count, count, axis=0), 0.0)
 
 
 class Reference(Method):
@@ -58,7 +69,8 @@ class Reference(Method):
         self._settings = Settings()
         self._tangents = 0
         # With shadows: what rays meet, and with a bounce the irradiance of the vertices.
-        self._geometry: Geometry
+        self._geometry: Geometry = None  # type: ignore[assignment]  # `set_geometry` follows where it is read
+        self._sun_directions = 0  # the last ones
         self._vertex_lights, self._irradiance = TextureBuffer(ctx, 16), TextureBuffer(ctx, 16)
         self._light: tuple = ()  # what the irradiance is of, beside the geometry,
         self._lit: tuple | None = None  # and both once it is made
@@ -83,7 +95,9 @@ class Reference(Method):
 
     def defines(self) -> dict[str, Any]:
         """Whether rays can meet anything but the cloth itself."""
-        return {"SEVERAL_SURFACES": 1} if self.traced and self._geometry.several else {}
+        if not self.traced:
+            return {}
+        return {**({"SEVERAL_SURFACES": 1} if self._geometry.several else {}), **self._geometry.finer}
 
     def woven_packing(self) -> tuple[int, int]:
         """In the order of the tangents."""
@@ -114,8 +128,10 @@ class Reference(Method):
         rotation = None if settings.rotation is None else np.asarray(settings.rotation, float).tobytes()
         self._light = settings.light, source, rotation, min(settings.cube, BOUNCE_CUBE)
         self._bounce_light = partial(self._directions, lights, settings, min(settings.cube, BOUNCE_CUBE))
+        points = SUN_POINTS if self.traced and settings.light != "map" else 1
+        self._sun_directions = 0 if settings.light == "map" else points * len(lights.suns)
         self._uploaded.get(
-            lambda: self._upload_light(self._directions(lights, settings, settings.cube)),
+            lambda: self._upload_light(self._directions(lights, settings, settings.cube, points)),
             *(settings.light, source, rotation, settings.cube, settings.shadows, self.bounces),
         )
 
@@ -123,8 +139,8 @@ class Reference(Method):
         """Albedo [3] of the bounce."""
         return diffuse_albedo(fabric)
 
-    def _directions(self, lights: Lights, settings: Settings, cube: int) -> Directions:
-        """Every direction that light comes from."""
+    def _directions(self, lights: Lights, settings: Settings, cube: int, points: int = 1) -> Directions:
+        """Every direction that light comes from, the last of them so many points of each sun."""
         if settings.light == "map":
             assert settings.environment is not None
             omega, solid_angle, radiance = cube_map(settings.environment, cube)
@@ -134,11 +150,12 @@ class Reference(Method):
         else:
             omega, solid_angle, radiance = cube_map_of_gaussians(lights.gaussians, cube)
             # Suns keep their own directions: half a texel is a degree and a half, and narrow lobes see that.
-            flux = np.concatenate([solid_angle[:, None] * radiance, lights.suns.irradiance])
-            omega = np.concatenate([omega, lights.suns.direction])
-            cast = np.concatenate([np.full(len(solid_angle), settings.shadows == "full"), np.ones(len(lights.suns))])
+            suns = points_of(lights.suns, points)
+            flux = np.concatenate([solid_angle[:, None] * radiance, suns.irradiance])
+            omega = np.concatenate([omega, suns.direction])
+            cast = np.concatenate([np.full(len(solid_angle), settings.shadows == "full"), np.ones(len(suns))])
             # No light comes back from a sun's direction beyond what its texel brings.
-            solid_angle = np.concatenate([solid_angle, np.zeros(len(lights.suns))])
+            solid_angle = np.concatenate([solid_angle, np.zeros(len(suns))])
         return Directions(omega, flux, solid_angle, cast)
 
     def _upload_light(self, directions: Directions) -> int:
@@ -152,7 +169,8 @@ class Reference(Method):
     def _upload(self, data: TextureBuffer, directions: Directions) -> int:
         """Upload the directions that can bring light; returns how many."""
         omega, flux, solid_angle, cast = directions
-        used = np.any(flux != 0.0, axis=1) | self.bounces
+        # All points of suns, for the passes count them.
+        used = np.any(flux != 0.0, axis=1) | self.bounces | (solid_angle == 0.0)
         records = np.zeros((int(used.sum()), 2, 4), "f4")
         records[:, 0, :3], records[:, 1, :3] = omega[used], flux[used]
         records[:, 1, 3] = solid_angle[used]
@@ -223,11 +241,25 @@ class Reference(Method):
         return programs(self.ctx).screen(path, {**self.defines(), **defines}, virtual)
 
     def passes(self) -> Iterator[dict[str, Any]]:
-        """So many directions at a time."""
+        """So many directions at a time; those of suns by themselves, for others things hide them."""
         count = self._uploaded.value or 0
         chunk = TRACED_CHUNK if self.traced else CHUNK
-        for first in range(0, count, chunk):
-            yield {"first_direction": first, "direction_count": min(chunk, count - first)}
+        of_suns = count - self._sun_directions if self._suns_apart else count
+        for first in range(0, of_suns, chunk):
+            yield {"first_direction": first, "direction_count": min(chunk, of_suns - first)}
+        for first in range(of_suns, count, chunk):
+            yield {"first_direction": first, "direction_count": min(chunk, count - first), **self._toward_suns()}
+
+    @property
+    def _suns_apart(self) -> bool:
+        """Whether suns have passes of their own."""
+        return self.traced and self._sun_directions > 0
+
+    def _toward_suns(self) -> dict[str, Any]:
+        """What these passes read else."""
+        if self._geometry is None or self._geometry.sun_occluders is None:
+            return {}
+        return self._geometry.sun_occluders.inputs()
 
     def evaluations_per_pixel(self) -> int:
         """Directions times tangents."""

@@ -179,6 +179,8 @@ class ClothSurface(Surface):
     def inputs(self, view: PixelView) -> dict[str, Any]:
         """What these programs read beside the G-buffer."""
         seen = {} if self.visibility.mode == "off" else view.inputs(self.scene_buffers)
+        if self.method.traced:
+            seen = seen | view.drawn_inputs()
         return {**self.scene_buffers.inputs(), **seen, **self.method.inputs()}
 
     def shade(
@@ -231,7 +233,7 @@ class ClothSurface(Surface):
         else:
             view.resolve_behind()
             table = irradiance_table(self.ctx, self._lights)
-            light = {**self.scene_buffers.inputs(), **table, **view.behind_inputs(self.scene_buffers)}
+            light = {**self.scene_buffers.inputs(), **table, **view.behind_inputs()}
         buffer.shade(program, self.straight_inputs(buffer), light, {"pass_weight": weight}, add=True, rows=rows)
 
     def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:

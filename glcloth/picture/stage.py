@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -15,6 +16,7 @@ from ..gpu.memo import Last
 from ..methods.method import Geometry
 from ..scene import ShadowMode
 from ..visibility.bounce import Bounce
+from ..visibility.finer import FinerTriangles, SunOccluders, cuts
 from ..visibility.pixels import Occluders
 from ..visibility.sheets import Sheets
 from .cloth import ClothSurface
@@ -50,6 +52,9 @@ class Stage:
         self._structure: Last[Structure] = Last()
         self._triangles: Triangles | None = None
         self._tree: Structure | None = None
+        self._sun_occluders: Last[SunOccluders] = Last()
+        self._sun_tree: Structure | None = None
+        self._finer = FinerTriangles(ctx)
         self._reflectance_data = TextureBuffer(ctx, 16)  # of all surfaces but the first cloth
 
     def take(self, frame: Frame) -> list[Surface]:
@@ -64,7 +69,7 @@ class Stage:
         if frame.objects is not None:
             self._solids.prepare(frame, self.cloths[0])
             self.surfaces.append(self._solids)
-        self._bounces = mode == "full" and frame.scene.bounce and len(self.surfaces) > 1
+        self._bounces = mode == "full" and frame.scene.bounce
         self._look(frame, mode)
         return self.surfaces
 
@@ -72,10 +77,12 @@ class Stage:
         """Give each surface its occluders; nothing is traced yet."""
         structure = self.occluders(frame) if mode != "off" else None
         hit_vertices = self._bounce.hit_vertices
-        several = len(self.surfaces) > 1
+        several = len(self.surfaces) > 1 or self._bounces
         sheets = self._sheets_of(structure)
         if structure is not None and several:
             hit_vertices.prepare([surface.hit_surface for surface in self.surfaces], structure.triangles)
+        sun_occluders = None if structure is None else self.sun_occluders(frame)
+        solids_see = sun_occluders and replace(sun_occluders, own=0)
         for surface in self.surfaces:
             occluders = None
             if structure is not None and several:
@@ -85,6 +92,7 @@ class Stage:
             surface.visibility.prepare(
                 *(mode, surface.mesh, surface.original, structure, frame.lights, frame.scene.bounce, occluders),
                 sheets=sheets,
+                sun_occluders=sun_occluders if surface is not self._solids else solids_see,
             )
 
     def _sheets_of(self, structure: Structure | None) -> Sheets | None:
@@ -113,8 +121,33 @@ class Stage:
                 self._triangles.release()
             self._triangles = Triangles.of(self.ctx, corners)
         self._tree.build(self._triangles)
+        return self._over_ground(frame, self._tree)
+
+    @staticmethod
+    def _over_ground(frame: Frame, tree: Structure) -> Structure:
         ground = None if frame.objects is None else frame.objects.ground
-        return self._tree if ground is None else OverGround(self._tree, ground.height)
+        return tree if ground is None else OverGround(tree, ground.height)
+
+    def sun_occluders(self, frame: Frame) -> SunOccluders | None:
+        """What hides suns from pixels and from the reference; None where there are no suns."""
+        if not len(frame.lights.suns):
+            return None
+        structure = self.occluders(frame)
+        return self._sun_occluders.get(lambda: self._cut(frame, structure), structure, tuple(surface.original for surface in self.surfaces))
+
+    def _cut(self, frame: Frame, structure: Structure) -> SunOccluders:
+        hit, coarse = self._bounce.hit_vertices, structure.triangles
+        assert coarse is not None
+        hit.prepare([surface.hit_surface for surface in self.surfaces], coarse)
+        cloths = self.cloths_in_frame
+        cut = hit.first_triangle[len(cloths)]
+        levels = cuts([cloth.original for cloth in cloths], cut, coarse.count - cut)
+        if not levels:
+            return SunOccluders(structure)
+        if self._sun_tree is None:
+            self._sun_tree = make_structure(self.ctx, OCCLUDER_STRUCTURE)
+        self._sun_tree.build(self._finer.cut(hit, coarse, cut, levels))
+        return SunOccluders(self._over_ground(frame, self._sun_tree), levels, cut, levels)
 
     def follow_poses(self, follow: bool) -> None:
         """See `Renderer.follow_poses`."""
@@ -134,7 +167,10 @@ class Stage:
         if not traced:
             return []
         geometry = self._geometry(frame)
-        return [job for method in traced for job in method.set_geometry(geometry)]
+        jobs = [job for method in traced for job in method.set_geometry(geometry)]
+        for cloth in self.cloths_in_frame:
+            cloth.passes = list(cloth.method.passes())
+        return jobs
 
     def _geometry(self, frame: Frame) -> Geometry:
         """The surfaces that rays meet, and the share of light that each reflects."""
@@ -153,7 +189,8 @@ class Stage:
             self._reflectance_data.write(np.concatenate(rows).astype("f4"))
             reflectances = {"reflectance_data": self._reflectance_data, "first_of_ground": first_of_ground}
         meshes = tuple(surface.mesh for surface in self.surfaces)
-        return Geometry(structure, hit_vertices, meshes, albedos[0], reflectances, self._sheets_of(structure))
+        sheets, suns = self._sheets_of(structure), self.sun_occluders(frame)
+        return Geometry(structure, hit_vertices, meshes, albedos[0], reflectances, sheets, suns)
 
     def see(self, target: Target, frame: Frame, sample: tuple[int, int], pace: Pace) -> Iterator[None]:
         """Find how far the pixels see the lights, and each other."""

@@ -36,7 +36,7 @@ class Sky:
         self.source = ""
 
     def take_map(self, environment: Environment, rotation: np.ndarray, suns: bool = True) -> None:
-        """The light of a map turned by a rotation [3, 3], with its suns or without; these have no size."""
+        """The light of a map turned by a rotation [3, 3], with its suns, which are even discs, or without."""
         self.source = "inputs/tracing/path_sky_map.glsl"
         split, rest = self._split.get(lambda: _split(environment), environment)
         self._take_suns(split.rotated(rotation) if suns else Suns())
@@ -80,7 +80,8 @@ class Sky:
 
     def _take_suns(self, suns: Suns) -> None:
         self.suns = suns
-        self._sun.get(lambda: self._suns.write(sun_records(suns)), suns.direction.tobytes(), suns.irradiance.tobytes())
+        key = (array.tobytes() for array in (suns.direction, suns.irradiance, suns.radius))
+        self._sun.get(lambda: self._suns.write(sun_records(suns)), *key)
 
     def inputs(self) -> dict[str, Any]:
         """By their names in GLSL."""
@@ -98,7 +99,8 @@ def _split(environment: Environment) -> tuple[Suns, Environment]:
 
 
 def sun_records(suns: Suns) -> np.ndarray:
-    """[S, 2, 4] float32: directions with the sum of shares, and irradiance over the share, by which one is drawn."""
+    """[S, 2, 4] float32: directions with the sum of shares, and irradiance over the share, by which one is drawn, with the
+    tangent of the radius."""
     rows = np.zeros((max(len(suns), 1), 2, 4), "f4")
     if len(suns):
         bright = np.abs(luminance(suns.irradiance)) + 1e-30
@@ -108,6 +110,7 @@ def sun_records(suns: Suns) -> np.ndarray:
             np.cumsum(share),
             suns.irradiance / share[:, None],
         )
+        rows[:, 1, 3] = np.tan(suns.radius)
     return rows
 
 

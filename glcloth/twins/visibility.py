@@ -121,9 +121,13 @@ def mean_visibility(bits, N, directions, table, steepness=8.0):
     return V
 
 
-def bounced(L, albedo, V_0):
-    """One diffuse bounce: the occluder is cloth of that albedo, lit about as the point itself.   [own]"""
-    return np.asarray(L, float) * (1.0 + np.asarray(albedo, float) * (1.0 - np.asarray(V_0, float)[..., None]))
+def all_bounces(first, two, most):
+    """All bounces from the first and the first two: each later one is to the one before as the second is to the first, but no
+    more than `most`, what surfaces reflect of what they hide.   [own]"""
+    first, two, most = (np.asarray(v, float) for v in (first, two, most))
+    second = np.maximum(two - first, 0.0)
+    ratio = np.minimum(second / np.maximum(first, 1e-12), np.clip(most, 0.0, 0.95))
+    return first + second / (1.0 - ratio)
 
 
 def packed_sums(seen, all):

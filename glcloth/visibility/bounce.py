@@ -1,11 +1,10 @@
-"""One bounce between surfaces: each vertex collects the radiance of those its rays met.   [own]
-
-A cloth alone has the bounce of inputs/visibility/seen_pixels.glsl, which needs none of this.
-"""
+"""Bounces between surfaces: each vertex collects the radiance of those its rays met, twice; later bounces follow from these.
+[own, docs/shadows.md]"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -26,7 +25,7 @@ class Bounce:
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
         self.hit_vertices = HitVertices(ctx)
-        self._radiance = TextureBuffer(ctx, 16)
+        self._radiance, self._again = TextureBuffer(ctx, 16), TextureBuffer(ctx, 16)
         self._reflectances = TextureBuffer(ctx, 16)
         self._key: tuple | None = None
 
@@ -49,12 +48,20 @@ class Bounce:
         if same(self._key, (key, surfaces[0][0].structure)):
             return
         self._key = None
-        self._radiance.reserve(32 * self.hit_vertices.vertex_count)
+        for buffer in (self._radiance, self._again):
+            buffer.reserve(32 * self.hit_vertices.vertex_count)
         for number, (visibility, share) in enumerate(surfaces):
             self._send_back(number, visibility, share, source)
         yield
         for visibility, _ in surfaces:
             visibility.vertices.gather(self._radiance)
+            yield
+        for number, (visibility, share) in enumerate(surfaces):
+            self._send_again(number, visibility, share)
+        most = np.max([np.reshape(share, (-1, share.shape[-1]))[:, :3].max(0) for _, share in surfaces], axis=0)
+        passed = np.max([visibility.passed.evenly for visibility, _ in surfaces], axis=0)
+        for visibility, _ in surfaces:
+            visibility.vertices.gather(self._again, most + passed)
             yield
         self._key = key, surfaces[0][0].structure
 
@@ -62,16 +69,30 @@ class Bounce:
         """Make the radiance that the vertices of surface `number` send back."""
         hit, vertices = self.hit_vertices, visibility.vertices
         first, end = hit.first_vertex[number : number + 2]
-        each = share.ndim > 1
-        if each:
-            self._reflectances.write(share)
         defines, virtual, rays = sight(visibility.structure, visibility.sheets)
         program = programs(self.ctx).compute("passes/visibility/bounce_radiance.comp", defines, virtual)
         inputs = rays | source.inputs() | hit.inputs()
         inputs |= irradiance_table(self.ctx, visibility.lights)
-        inputs |= {"mean_data": vertices.means, "group_count": vertices.groups, "reflectance_data": self._reflectances}
-        own: dict = {"own_reflectance": each, "reflectance": np.zeros(3) if each else share}
-        if visibility.sheets is not None:
-            own["passed"] = visibility.passed.evenly
+        inputs |= {"mean_data": vertices.means, "group_count": vertices.groups}
         items = {"first_item": first, "vertex_count": end - first, "offset": hit.offset}
-        program.run(end - first, inputs, own, items, Radiance=self._radiance)
+        program.run(end - first, inputs, self._shares(visibility, share), items, Radiance=self._radiance)
+
+    def _send_again(self, number: int, visibility: PixelVisibility, share: np.ndarray) -> None:
+        """Make the radiance that they send back with the first bounce in it."""
+        first, end = self.hit_vertices.first_vertex[number : number + 2]
+        inputs = {"radiance_data": self._radiance, "bounced_data": visibility.vertices.bounced}
+        items = {"first_item": first, "vertex_count": end - first}
+        program = programs(self.ctx).compute("passes/visibility/bounce_again.comp")
+        program.run(end - first, inputs, self._shares(visibility, share), items, Radiance=self._again)
+
+    def _shares(self, visibility: PixelVisibility, share: np.ndarray) -> dict[str, Any]:
+        """What vertices send on of the light on their side and on the other, by the names in GLSL."""
+        each = share.ndim > 1
+        if each:
+            self._reflectances.write(share)
+        return {
+            "reflectance_data": self._reflectances,
+            "own_reflectance": each,
+            "reflectance": np.zeros(3) if each else share,
+            "passed": visibility.passed.evenly,
+        }

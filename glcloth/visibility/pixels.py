@@ -20,6 +20,7 @@ from ..gpu.scene_buffers import SceneBuffers
 from ..light.lights import Lights, SphericalGaussians
 from ..scene import ShadowMode
 from ..twins.visibility import own_directions
+from .finer import SunOccluders
 from .furnace import Furnace
 from .hit_vertices import HitVertices
 from .sheets import Passed, Sheets, sight
@@ -39,7 +40,7 @@ CUT = 2.0  # mean edges by which the vertices may move in the mean from pose to 
 
 @dataclass(frozen=True, eq=False)
 class Occluders:
-    """Everything that hides light but the mesh itself.
+    """Everything that hides light and is not the mesh itself, and what all rays meet.
 
     Parameters
     ----------
@@ -66,9 +67,11 @@ class PixelVisibility:
         self.follow = False
         self.occluders: Occluders | None = None
         self._structure: Structure | None = None
+        self._sun_occluders: SunOccluders | None = None
         self.lights: Lights
         self.sheets: Sheets | None = None
         self.passed = Passed.of(None)  # what of even light comes through the mesh
+        self.drawn_levels = 0  # how often the triangles that hide light were cut into four where they are drawn
         self.limit = 1.0  # by which its reflection is dimmed
         self._transmissions: tuple = ()
         self._meshes: tuple[Mesh, ...] = ()  # whose vertices were taken, and the others that hide light
@@ -88,15 +91,20 @@ class PixelVisibility:
         bounce: bool = True,
         occluders: Occluders | None = None,
         sheets: Sheets | None = None,
+        sun_occluders: SunOccluders | None = None,
     ) -> None:
         """Take meshes, lights and mode. `mesh` is drawn, `original` is the one before subdivision, `structure` holds
         all that hides light: the mesh and its `occluders`; None where the mode is "off". `sheets`: of the cloths, where
-        any lets light through."""
+        any lets light through; `sun_occluders`: what hides suns from pixels; None: what the structure holds."""
+        self._sun_occluders = sun_occluders
+        self.drawn_levels = round(np.log2(len(mesh.triangles) / max(len(original.triangles), 1)) / 2)
         self.mode, self._structure, self.lights, self.bounce = mode, structure, lights, bounce
-        self.occluders = occluders
+        before, self.occluders = self.occluders, occluders
         self.vertices.hit_vertices = None if occluders is None else occluders.hit_vertices
         self.sheets = self.vertices.sheets = sheets
         transmissions = () if sheets is None else sheets.transmissions
+        if (occluders is None) != (before is None):
+            self._meshes = ()  # rays must find what they end at
         if structure is not None and transmissions != self._transmissions:
             self._transmissions, self._meshes = transmissions, ()
         meshes = mesh, *self.others
@@ -113,6 +121,11 @@ class PixelVisibility:
         """The structure of all that hides light."""
         assert self._structure is not None
         return self._structure
+
+    @property
+    def sun_occluders(self) -> SunOccluders:
+        """What hides suns from pixels."""
+        return self._sun_occluders or SunOccluders(self.structure)
 
     @property
     def others(self) -> tuple[Mesh, ...]:
@@ -173,15 +186,9 @@ class PixelVisibility:
 
     def inputs(self, fabric: SceneBuffers) -> dict[str, Any]:
         """The bounce's inputs from the fabric of this mesh, by their names in GLSL."""
-        if self.mode != "full" or not self.bounce:
+        if self.mode != "full" or not self.bounce or self.occluders is None:
             return {"albedo": np.zeros(3)}
-        albedo = self.furnace.albedo(fabric) * self.limit
-        if self.sheets is not None and self.occluders is None:
-            # Cloth that hides light sends back what it reflects and what comes evenly through it; it lets the straight share
-            # on, so that 1 - V is only the rest of what it covers.
-            albedo = np.minimum((albedo + self.passed.evenly) / np.maximum(1.0 - self.passed.straight, 1e-3), 1.0)
-        names: dict[str, Any] = {"albedo": albedo}
-        return names if self.occluders is None else names | {"views": self.furnace.views(fabric)}
+        return {"albedo": self.furnace.albedo(fabric) * self.limit, "views": self.furnace.views(fabric)}
 
 
 class PixelView:
@@ -193,9 +200,10 @@ class PixelView:
         self._bounced: moderngl.TextureArray | None = None
         self._resolved: Last[None] = Last()
         self._bounce_resolved: Last[None] = Last()
-        self._seen_behind: moderngl.TextureArray | None = (
-            None  # rgb of each sun, see passes/visibility/suns_behind.comp
-        )
+        # rgb of each sun, see passes/visibility/suns_behind.comp; and what the first rays to suns found, of both sides.
+        self._seen_behind: moderngl.TextureArray | None = None
+        self._first: moderngl.TextureArray | None = None
+        self._first_behind: moderngl.TextureArray | None = None
         self._behind_resolved: Last[None] = Last()
         self._sample = 0, 1
         self._numbers: dict[str, int] = {}  # where which value is
@@ -218,20 +226,11 @@ class PixelView:
         self._numbers = {"top_number": top_number(count), "broad_number": first, "sun_number": first_sun}
         self._sample = sample
         visibility.integrate(broad)
-        seen = self._reserve(first_sun // 4 + -(-len(lights.suns) // 4))
+        seen = self.seen = _array(self.ctx, self.seen, self.buffer.size, first_sun // 4 + -(-len(lights.suns) // 4))
         version = visibility.vertices.version if visibility.mode == "full" else 0
-        hidden = visibility.mode, visibility.structure, visibility.others
+        hidden = visibility.mode, visibility.structure, visibility.others, visibility.sun_occluders.structure
         key = lights, self.buffer.drawn, sample, *hidden, seen, version, visibility.transmissions
         self._resolved.get(lambda: self._fill(seen, first_sun // 4), *key)
-
-    def _reserve(self, layers: int) -> moderngl.TextureArray:
-        """`seen` with at least so many layers; another one when it grows."""
-        if self.seen is None or self.seen.layers < layers:
-            if self.seen is not None:
-                self.seen.release()
-            self.seen = self.ctx.texture_array((*self.buffer.size, layers), 4, dtype="f1")
-            self.seen.filter = moderngl.NEAREST, moderngl.NEAREST
-        return self.seen
 
     def _fill(self, seen: moderngl.TextureArray, sun_layer: int) -> None:
         visibility, buffer = self.visibility, self.buffer
@@ -241,12 +240,21 @@ class PixelView:
         program.run(buffer.size, self._vertex_inputs(), numbers, mean_data=visibility.vertices.means, seen=seen)
         suns = visibility.lights.suns
         if len(suns):
-            self._sun_data.write(_texels(suns.direction))
-            defines, virtual, rays = sight(visibility.structure, visibility.sheets)
-            program = programs(self.ctx).compute("passes/visibility/suns.comp", defines, virtual)
-            inputs = rays | buffer.inputs()
-            numbers = {"sun_count": len(suns), "first_layer": sun_layer}
-            program.run(buffer.size, inputs, numbers, sun_data=self._sun_data, seen=seen)
+            self._first = _array(self.ctx, self._first, buffer.size, -(-len(suns) // 4))
+            self._see_suns("passes/visibility/suns.comp", self._first, first_layer=sun_layer, seen=seen)
+
+    def _see_suns(self, path: str, first: moderngl.TextureArray, **names: Any) -> None:
+        """Run a pass of inputs/visibility/sun_points.glsl: a ray from each pixel, then more where these do not agree."""
+        visibility, buffer = self.visibility, self.buffer
+        suns, (number, samples) = visibility.lights.suns, self._sample
+        self._sun_data.write(np.column_stack([suns.direction, np.tan(suns.radius)]).astype("f4"))
+        defines, virtual, rays = visibility.sun_occluders.sight(visibility.sheets)
+        inputs = rays | buffer.inputs() | self.drawn_inputs()
+        numbers = {"sun_count": len(suns), "first_turn": number / samples}
+        program = programs(self.ctx).compute(path, {**defines, "FIRST": 1}, virtual)
+        program.run(buffer.size, inputs, numbers, sun_data=self._sun_data, first_image=first)
+        program = programs(self.ctx).compute(path, defines, virtual)
+        program.run(buffer.size, inputs, numbers, names, sun_data=self._sun_data, first_seen=first)
 
     def _vertex_inputs(self) -> dict[str, Any]:
         """The inputs of passes that bring values of the vertices to the pixels."""
@@ -299,30 +307,23 @@ class PixelView:
         visibility, buffer, suns = self.visibility, self.buffer, self.visibility.lights.suns
         if visibility.mode == "off" or not len(suns):
             return
-        if self._seen_behind is None or self._seen_behind.layers < len(suns):
-            if self._seen_behind is not None:
-                self._seen_behind.release()
-            self._seen_behind = self.ctx.texture_array((*buffer.size, len(suns)), 4, dtype="f1")
-            self._seen_behind.filter = moderngl.NEAREST, moderngl.NEAREST
-        hidden = visibility.structure, visibility.others, visibility.transmissions
-        key = suns, buffer.drawn, *hidden, self._seen_behind
+        self._seen_behind = _array(self.ctx, self._seen_behind, buffer.size, len(suns))
+        hidden = visibility.sun_occluders.structure, visibility.others, visibility.transmissions
+        key = suns, buffer.drawn, self._sample, *hidden, self._seen_behind
         self._behind_resolved.get(self._fill_behind, *key)
 
     def _fill_behind(self) -> None:
-        suns, buffer, visibility = self.visibility.lights.suns, self.buffer, self.visibility
-        self._sun_data.write(_texels(suns.direction))
-        _, virtual, rays = sight(visibility.structure, visibility.sheets)
-        program = programs(self.ctx).compute("passes/visibility/suns_behind.comp", None, virtual)
-        inputs = rays | buffer.inputs() | self.drawn_inputs()
-        program.run(buffer.size, inputs, sun_data=self._sun_data, seen_behind=self._seen_behind, sun_count=len(suns))
+        self._first_behind = _array(self.ctx, self._first_behind, self.buffer.size, len(self.visibility.lights.suns))
+        self._see_suns("passes/visibility/suns_behind.comp", self._first_behind, seen_behind=self._seen_behind)
 
     def drawn_inputs(self) -> dict[str, Any]:
-        """The vertices and corners of the mesh as it is drawn, by the names of inputs/visibility/origin_behind.glsl."""
+        """The vertices and corners of the mesh as it is drawn, by the names of inputs/visibility/origin_finer.glsl."""
         assert self.buffer.drawn is not None
         mesh = self.buffer.drawn.mesh
-        return {"drawn_vertices": mesh.vertices, "drawn_corners": mesh.indices}
+        names = {"drawn_vertices": mesh.vertices, "drawn_corners": mesh.indices}
+        return names | {"drawn_levels": self.visibility.drawn_levels}
 
-    def behind_inputs(self, fabric: SceneBuffers) -> dict[str, Any]:
+    def behind_inputs(self) -> dict[str, Any]:
         """Inputs of inputs/visibility/behind_means.glsl but for the lights and the irradiance table."""
         visibility = self.visibility
         full, gathers = visibility.mode == "full", visibility.bounce and visibility.occluders is not None
@@ -334,7 +335,6 @@ class PixelView:
             "sees_gaussians": not full,
             "sees_suns": visibility.mode == "off",
             "gathers": full and gathers,
-            "albedo_behind": np.zeros(3) if gathers else visibility.inputs(fabric)["albedo"],
             **({} if self._seen_behind is None else {"seen_behind": self._seen_behind}),
         }
 
@@ -359,9 +359,23 @@ class PixelView:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (self.seen, self._bounced, self._seen_behind, self._sun_data, self._edge_data):
+        images = self.seen, self._bounced, self._seen_behind, self._first, self._first_behind
+        for thing in (*images, self._sun_data, self._edge_data):
             if thing is not None:
                 thing.release()
+
+
+def _array(
+    ctx: moderngl.Context, before: moderngl.TextureArray | None, size: tuple[int, int], layers: int
+) -> moderngl.TextureArray:
+    """Pictures of four bytes a pixel: those there were, or so many layers of others."""
+    if before is not None and before.layers >= layers:
+        return before
+    if before is not None:
+        before.release()
+    images = ctx.texture_array((*size, layers), 4, dtype="f1")
+    images.filter = moderngl.NEAREST, moderngl.NEAREST
+    return images
 
 
 def edge_layers(

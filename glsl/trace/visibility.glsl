@@ -20,9 +20,12 @@ float from_bands(vec3 omega, vec4 low, vec4 middle, float top) {
     return dot(quadrant_shares(omega), bands.x * low + bands.y * middle) + bands.z * top;
 }
 
-// [own]  One diffuse bounce: the occluder is cloth of that albedo, lit about as the point itself.
-vec3 bounced(vec3 L, vec3 albedo, float V_0) {
-    return L * (1.0 + albedo * (1.0 - V_0));
+// [own]  All bounces from the first and the first two: each later one is to the one before as the second is to the first, but no
+// more than `most`, what surfaces reflect of what they hide.
+vec3 all_bounces(vec3 first, vec3 two, vec3 most) {
+    vec3 second = max(two - first, vec3(0.0));
+    vec3 ratio = min(second / max(first, vec3(1e-12)), clamp(most, vec3(0.0), vec3(0.95)));
+    return first + second / (1.0 - ratio);
 }
 
 // [own]  The seen part and the whole (>= 0), four times, in a word each: the share in the low 16 bits, and in

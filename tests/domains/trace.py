@@ -4,7 +4,7 @@ import numpy as np
 
 from glcloth.twins.visibility import packed_sums
 
-from . import above_horizon, between, choice, directions, directions_and_axes, vectors, woven
+from . import above_horizon, between, choice, directions, directions_and_axes, core, vectors, woven
 
 
 def low_corner(rng, count):
@@ -75,9 +75,7 @@ SPECIAL = {
     ("ground_place", "scale"): between(0.1, 5.0),
     ("ground_place", "rings"): choice(84.0, 20.0),
     ("ground_place", "sectors"): choice(112.0, 16.0),
-    ("bounced", "L"): lambda rng, count: 10 * rng.random((count, 3)),
-    ("bounced", "albedo"): lambda rng, count: rng.random((count, 3)),
-    ("bounced", "V_0"): between(0.0, 1.0),
+    **{("all_bounces", name): lambda rng, count: rng.random((count, 3)) for name in ("first", "two", "most")},
     # More is seen than there is only where there is nothing.
     ("packed_sums", "seen"): lambda rng, count: 1e-3 * rng.random((count, 4)) * (rng.random((count, 4)) < 0.8),
     ("packed_sums", "all"): lambda rng, count: 10.0 ** rng.uniform(-3, 3, (count, 4)),
@@ -121,6 +119,15 @@ SPECIAL = {
     ("hit_edges", "edges"): lambda rng, count: rng.uniform(-0.2, 1, (count, 3)) * rng.choice([-1.0, 1.0], (count, 1)),
     ("hit_edges", "depths"): lambda rng, count: rng.uniform(0.5, 3, (count, 3)),
     ("hit_edges", "shear"): lambda rng, count: np.c_[rng.uniform(-0.5, 0.5, (count, 2)), rng.uniform(0.6, 1, count)],
+    **{(name, n): directions for name in ("curved_middle", "middle_normal") for n in ("n_a", "n_b")},
+    **{(name, "weights"): core.weights for name in ("weights_of_whole", "part_at", "weights_in_part")},
+    **{(name, "part"): lambda rng, count: rng.integers(0, 4, count) for name in ("weights_of_whole", "weights_in_part")},
+    ("disc_point", "n"): lambda rng, count: rng.integers(0, 64, count),
+    ("disc_point", "count"): choice(64),
+    ("disc_point", "turn"): between(0.0, 1.0),
+    ("disc_direction", "middle"): directions_and_axes,
+    ("disc_direction", "tan_radius"): between(0.0, 0.2),
+    ("disc_direction", "at"): lambda rng, count: rng.uniform(-1.0, 1.0, (count, 2)),
     ("octahedral", "n"): directions_and_axes,
     ("from_octahedral", "p"): lambda rng, count: rng.uniform(-1, 1, (count, 2)),
     ("plane_fraction", "k"): lambda rng, count: rng.integers(0, 7, count),
@@ -171,6 +178,8 @@ JOINT = {
     "quad_factor": seen_quads("abcdn"),
 }
 TOLERANCE = {
+    # A part of 48 turns.
+    "disc_point": (1e-4, 5e-5),
     # The cross product of nearly parallel corners cancels; factors are shares of 1.
     "edge_factor": (1e-4, 3e-6),
     "clipped_edge_factor": (1e-4, 1e-5),

@@ -144,6 +144,30 @@ def test_broad_lights_and_weak_sparks_are_no_suns():
     assert len(suns.split_suns(np.eye(8)[..., None].repeat(3, -1))[0]) == 0, "texels coarser than the disc"
 
 
+@pytest.mark.parametrize("height", [256, 512])
+@pytest.mark.parametrize("radius_deg", [0.6, 2.0, 2.4])
+@pytest.mark.parametrize("place", [[0.3, 0.5, 0.8], [0, 1, 0.01], [-1e-3, 0.1, -1]])
+def test_an_even_lamp_is_a_sun_about_its_middle_as_wide_as_it_is(height, radius_deg, place):
+    """Its brightest texel is anywhere, often at its edge."""
+    e = with_lamp(height, unit(place), 3e4, radius_deg=radius_deg)
+    found, rest = suns.split_suns(e.radiance)
+    assert len(found) == 1 and rest.max() < 2
+    assert np.degrees(np.arccos(min(found.direction[0] @ unit(place), 1))) < 0.3 * 180 / height
+    assert np.degrees(found.radius[0]) == pytest.approx(radius_deg, abs=0.3 * 180 / height)
+    assert len(suns.split_suns(with_lamp(height, unit(place), 3e4, radius_deg=3.5).radiance)[0]) == 0, "broad"
+
+
+def test_suns_have_a_radius():
+    """By default half a degree across; a turn keeps it; what is no angle is refused."""
+    one = Suns([[0, 1, 0], [1, 0, 0]], np.ones((2, 3)))
+    assert np.allclose(np.degrees(one.radius), 0.27)
+    own = Suns(one.direction, one.irradiance, [0.0, 0.01])
+    assert np.array_equal(own.rotated(np.eye(3)).radius, [0.0, 0.01])
+    for wrong in (-1.0, np.nan, 1.0, [0.1, 0.1, 0.1]):
+        with pytest.raises(InputError, match="radius"):
+            Suns(one.direction, one.irradiance, wrong)
+
+
 def test_rotated_environment_gives_rotated_lights():
     """A turn by whole texels is exact; the fit's axes follow, its error stays."""
     e = load_environment("sky")
@@ -264,7 +288,7 @@ def test_a_cache_that_cannot_be_written_is_no_error(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("suffix", [".json", ".toml"])
 def test_lights_files_round_trip(tmp_path, suffix):
-    lights = Lights(KNOWN, Suns([[0.1, 0.7, -0.3]], [[1e5, 1 / 3, 1e-7]]))
+    lights = Lights(KNOWN, Suns([[0.1, 0.7, -0.3]], [[1e5, 1 / 3, 1e-7]], 0.012))
     path = save_lights(tmp_path / f"a{suffix}", lights, {"environment": "größe", "lobes": 4, "residual": 0.125})
     assert same(load_lights(path), lights)
     assert same(load_lights(save_lights(tmp_path / f"b{suffix}", KNOWN)), Lights(KNOWN))
@@ -397,7 +421,7 @@ def test_real_maps(shared, name):
     report = fit_report(e, 10)
     assert report.predicted["linen"] < 0.015 and report.predicted["silk_crepe_de_chine"] < 0.025
     assert report.predicted["satin_charmeuse_front"] < 0.08
-    assert len(report.lights.suns) == {"interior": 3, "sunset": 1}.get(name, 0)
+    assert len(report.lights.suns) == {"interior": 3, "sunset": 1, "studio": 1}.get(name, 0)
 
 
 def test_measured_errors_see_a_sun_beside_its_lamp():

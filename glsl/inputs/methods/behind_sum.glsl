@@ -1,13 +1,21 @@
 // What comes through cloth from its other side, but for what goes straight on, as the sum over every direction of a cube map
 // and the suns: "behind.glsl" of method reference. Each pass adds `direction_count` directions from `first_direction` on.
 #include "along.glsl"
+#include "inputs/picture/gbuffer.glsl"
 #include "inputs/visibility/origin_behind.glsl"
+// Defines: FINER, where suns are hidden by finer triangles.
+#ifdef FINER
+#include "inputs/visibility/origin_finer.glsl"
+#endif
 uniform samplerBuffer direction_data;  // pairs: (omega, 1 if a ray decides), (flux, solid angle; 0: of a sun)
 uniform int first_direction;
 uniform int direction_count;
 
 vec3 L_behind(ivec2 pixel, vec3 omega_o, mat3 surface_from_world) {
     vec3 origin = origin_behind(pixel), o_t = vec3(omega_o.xy, -omega_o.z), sum = vec3(0.0);
+#ifdef FINER
+    if (own_levels > 0) origin = origin_finer(pixel, -texelFetch(frame_x, pixel, 0).w);
+#endif
     for (int d = first_direction; d < first_direction + direction_count; ++d) {
         vec4 direction = texelFetch(direction_data, 2 * d), light = texelFetch(direction_data, 2 * d + 1);
         vec3 omega_i = surface_from_world * direction.xyz;

@@ -1,8 +1,13 @@
 // Method `reference` with shadows: a ray for every direction of the sum, and what it meets sends back.
 // Each pass adds `direction_count` directions from `first_direction` on; so no invocation nears a loop limit. Fragments only.
 #include "inputs/picture/fabric.glsl"
+#include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 #include "inputs/visibility/along_ray.glsl"
+// Defines: FINER, where suns are hidden by finer triangles.
+#ifdef FINER
+#include "inputs/visibility/origin_finer.glsl"
+#endif
 
 uniform samplerBuffer direction_data;   // pairs: (omega, 1 if a ray decides), (flux, solid angle)
 uniform int first_direction;
@@ -10,6 +15,9 @@ uniform int direction_count;
 
 vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
     vec3 origin = origin_at(ivec2(gl_FragCoord.xy));
+#ifdef FINER
+    if (own_levels > 0) origin = origin_finer(ivec2(gl_FragCoord.xy), texelFetch(frame_x, ivec2(gl_FragCoord.xy), 0).w);
+#endif
     vec3 sum = vec3(0.0);
     for (int d = first_direction; d < first_direction + direction_count; ++d) {
         vec4 direction = texelFetch(direction_data, 2 * d);

@@ -6,6 +6,9 @@ uniform bool light_behind;  // whether sheets send on the light of their other s
 
 // Irradiance of the side of a sheet that looks away from the ray.
 vec3 irradiance_behind(Visit visit, vec3 omega) {
+#ifdef FINER
+    visit = coarse(visit);
+#endif
     int t = int(visit.triangle);
     ivec3 corners = ivec3(texelFetch(corner_index, 3 * t).x, texelFetch(corner_index, 3 * t + 1).x,
                           texelFetch(corner_index, 3 * t + 2).x);

@@ -9,8 +9,7 @@ uniform sampler2DArray seen_behind;    // passes/visibility/suns_behind.comp: a 
 uniform int group_count;               // of mean_data
 uniform bool sees_gaussians;  // all of each; else as mean_data says
 uniform bool sees_suns;       // likewise
-uniform bool gathers;         // bounced_data holds the bounced light; else it is
-uniform vec3 albedo_behind;   // of what hides light, lit about as the point itself
+uniform bool gathers;         // bounced_data holds the bounced light
 
 vec3 weights;
 ivec3 corners;  // twice the vertex, 1 more for its back
@@ -28,7 +27,7 @@ vec3 L_behind(ivec2 pixel, vec3 omega_o, mat3 surface_from_world) {
         texelFetch(drawn_corners, first + 2).x) + (texelFetch(frame_x, pixel, 0).w < 0.0 ? 0 : 1);
     weights = weights_at(pixel);
     vec3 N = vec3(surface_from_world[0].z, surface_from_world[1].z, surface_from_world[2].z);
-    vec3 E = vec3(0.0), of_suns = vec3(0.0), L = vec3(0.0);
+    vec3 E = vec3(0.0), L = vec3(0.0);
     for (int k = 0; k < gaussian_count; ++k) {
         Gaussian light = fetch_gaussian(k);
         float V = sees_gaussians ? 1.0 : V_behind(1 + k);
@@ -43,10 +42,8 @@ vec3 L_behind(ivec2 pixel, vec3 omega_o, mat3 surface_from_world) {
         vec3 light = sees_suns ? sun.E : sun.E * texelFetch(seen_behind, ivec3(pixel, s), 0).rgb;
         L += light * absorption(i_t, o_t, tau)
             * f_through(i_t, o_t, k_t, rho, roughness, eta_1, eta_2, diffuse, roughness_p);
-        of_suns += light * i_t.z;
     }
-    vec3 bounce = sees_gaussians ? vec3(0.0) : albedo_behind * (1.0 - V_behind(0));
-    E = max(E, vec3(0.0)) * (1.0 + bounce) + of_suns * bounce;
+    E = max(E, vec3(0.0));
     if (gathers) {
         ivec3 at = 2 * corners;
         E += PI * (weights.x * texelFetch(bounced_data, at.x).rgb + weights.y * texelFetch(bounced_data, at.y).rgb

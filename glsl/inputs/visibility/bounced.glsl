@@ -1,6 +1,10 @@
 // Light from a ray's hit: a Lambertian's, from the irradiance at the vertices about the hit.
 // Needs struct Visit from the pass that includes it; SEVERAL_SURFACES where rays meet more than cloth.
 #include "core/math.glsl"
+// Defines: FINER, as inputs/visibility/sheets.glsl.
+#ifdef FINER
+#include "inputs/visibility/coarse.glsl"
+#endif
 uniform samplerBuffer irradiance_data;  // two a vertex: of the front, of the back
 uniform isamplerBuffer corner_index;    // three a triangle, in the order that hits are weighted in
 uniform samplerBuffer vertex_data;      // three texels a vertex: position, normal, tangent
@@ -22,6 +26,9 @@ vec3 ground_irradiance(vec3 x) {
 
 // [own]  Radiance that comes back along a ray from `origin`.
 vec3 bounced(Visit visit, vec3 origin, vec3 omega) {
+#ifdef FINER
+    visit = coarse(visit);
+#endif
     int t = int(visit.triangle);
 #ifdef SEVERAL_SURFACES
     if (!bounces) return vec3(0.0);

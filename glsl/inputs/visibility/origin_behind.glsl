@@ -2,8 +2,7 @@
 // finds for the side that is seen.
 #include "core/origin.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
-uniform samplerBuffer drawn_vertices;  // three texels a vertex: position and normal, each with a lift; tangent
-uniform isamplerBuffer drawn_corners;  // three a triangle
+#include "inputs/visibility/drawn.glsl"
 const float OFFSET_BEHIND = 0.02;      // of the triangle's size
 
 vec3 origin_behind(ivec2 pixel) {

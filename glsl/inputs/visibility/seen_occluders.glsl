@@ -1,4 +1,4 @@
-// As inputs/visibility/seen_pixels.glsl, where other surfaces hide light too. A ground hides all light from below the
+// As inputs/visibility/seen_pixels.glsl, with the light that surfaces send each other. A ground hides all light from below the
 // horizon, and the nine parts of the broad light hold only light from above, so that the horizon does not blur into the
 // shadows of the cloth; and the bounced light from all surfaces is known.
 #include "core/math.glsl"

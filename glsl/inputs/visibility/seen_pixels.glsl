@@ -1,8 +1,8 @@
-// Visibility of each light from the shaded pixel, where cloth alone hides light: "seen.glsl" of a program with shadows.
+// Visibility of each light from the shaded pixel, where nothing is bounced: "seen.glsl" of a program with shadows.
 #include "inputs/visibility/seen_layers.glsl"
 
 void fetch_visibility(ivec2 pixel) { fetch_layers(pixel); }
 
 float V_broad(vec3 omega) { return V_parts(omega); }
 
-vec3 with_bounce(vec3 L) { return bounced(L, albedo, V_texel(0).x); }
+vec3 with_bounce(vec3 L) { return L; }

@@ -2,6 +2,10 @@
 // the weights of a hit.   [own]
 #include "core/shading_frame.glsl"
 #include "woven/sheet.glsl"
+// Defines: FINER, where rays may meet the triangles of passes/visibility/finer.comp.
+#ifdef FINER
+#include "inputs/visibility/coarse.glsl"
+#endif
 uniform samplerBuffer sheet_data;   // two texels a cloth: rho, k_a, k_t, diffuse; tau, the triangle behind its last
 uniform int sheet_count;            // triangles behind the last cloth's hide light
 uniform isamplerBuffer hit_corners;  // three a triangle, in the order that hits are weighted in
@@ -16,6 +20,9 @@ struct Sheet {
 };
 
 Sheet sheet_at(Visit visit, vec3 d) {
+#ifdef FINER
+    visit = coarse(visit);
+#endif
     int t = int(visit.triangle), c = 0;
     while (c < sheet_count && float(t) >= texelFetch(sheet_data, 2 * c + 1).w) ++c;
     if (c == sheet_count || texelFetch(sheet_data, 2 * c).yz == vec2(0.0)) return Sheet(-1, vec3(0.0));

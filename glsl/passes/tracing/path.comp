@@ -8,6 +8,7 @@ layout(local_size_x = 64) in;
 #include "sight.glsl"
 #include "inputs/tracing/path_fabric.glsl"
 #include "core/equirect.glsl"
+#include "trace/sun_disc.glsl"
 #include "sky.glsl"
 #ifdef SHEER
 #include "trace/spread.glsl"
@@ -27,7 +28,7 @@ uniform mat3 origin_from_pixel;
 uniform vec3 lens_x;                // half axes of the lens
 uniform vec3 lens_y;
 uniform float focus;                // along the view
-uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, -)
+uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, tangent of its radius)
 uniform int drawn_suns;
 uniform vec3 lamp;                  // where it is; it has no size
 uniform vec3 intensity;             // W/sr
@@ -155,8 +156,10 @@ vec3 lit(Point point, Fabric fabric, vec3 omega_o, vec2 chances, int kind, Path 
     } else if (kind == SUN) {
         int s = 0;
         while (s + 1 < drawn_suns && choice.x >= texelFetch(sun_data, 2 * s).w) ++s;
-        d = texelFetch(sun_data, 2 * s).xyz;
-        light = texelFetch(sun_data, 2 * s + 1).rgb;
+        vec4 sun = texelFetch(sun_data, 2 * s + 1);
+        float turn = 2.0 * PI * place.y;
+        d = disc_direction(texelFetch(sun_data, 2 * s).xyz, sun.w, sqrt(place.x) * vec2(cos(turn), sin(turn)));
+        light = sun.rgb;
     } else {
         d = sky_direction(point.origin, choice.xy, place.xy);
         light = sky_radiance(point.origin, d, pdf_sky);

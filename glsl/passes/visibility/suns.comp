@@ -1,14 +1,48 @@
 #version 430
-// A ray toward each sun from every covered pixel.   [own]
+// How much of each sun every covered pixel sees.   [own]
+// Defines: FIRST, a ray from each pixel, to a point of its own; without it those pixels that do not agree with the ones about
+// them send more. SHEER, where cloth lets light through.
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
-// Defines: SHEER, where cloth lets light through.
+#include "inputs/visibility/origin_finer.glsl"
 #include "sight.glsl"
+#include "inputs/visibility/sun_points.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-uniform samplerBuffer sun_data;  // toward each sun
-layout(rgba8) writeonly uniform image2DArray seen;
-uniform int sun_count;           // at least 1
 uniform int first_layer;
+#ifdef FIRST
+layout(rgba8) writeonly uniform image2DArray first_image;
+#else
+uniform sampler2DArray first_seen;  // what FIRST found; 0 where there is nothing
+layout(rgba8) writeonly uniform image2DArray seen;
+#endif
+
+float seen_of(vec3 x, vec3 omega) {
+#ifdef SHEER
+    Visit first;
+    return seen_along(x, omega, first);
+#else
+    Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
+    Ray ray = make_ray(x, omega, 0.0, 3e38);
+    traverse(ray, visit);
+    return visit.t > 0.0 ? 1.0 : 0.0;
+#endif
+}
+
+#ifndef FIRST
+// Of each of four suns, whether the pixels about this one found what it found.
+bvec4 agreed(ivec2 pixel, int layer, vec4 own) {
+    vec4 low = own, high = own;
+    ivec2 last = textureSize(frame_N, 0) - 1;
+    for (int n = 0; n < 9; ++n) {
+        ivec2 at = clamp(pixel + ivec2(n % 3, n / 3) - 1, ivec2(0), last);
+        if (texelFetch(frame_N, at, 0).w == 0.0) continue;
+        vec4 other = texelFetch(first_seen, ivec3(at, layer), 0);
+        low = min(low, other);
+        high = max(high, other);
+    }
+    return lessThan(high - low, vec4(AGREE));
+}
+#endif
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -16,26 +50,40 @@ void main() {
     vec4 N = texelFetch(frame_N, pixel, 0);
     if (N.w == 0.0) return;
     vec3 x = origin_at(pixel);
+    if (own_levels > 0) x = origin_finer(pixel, texelFetch(frame_x, pixel, 0).w);
     vec4 four = vec4(0.0);
+#ifndef FIRST
+    bvec4 sure = bvec4(true);
+#endif
     int s = 0;
     do {
-        vec3 omega = texelFetch(sun_data, s).xyz;
+        vec4 sun = texelFetch(sun_data, s);
         float V = 0.0;
         // Below the horizon there is no light to hide.
-        if (dot(omega, N.xyz) > 0.0) {
-#ifdef SHEER
-            Visit first;
-            V = seen_along(x, omega, first);
-#else
-            Visit visit = Visit(3e38, NO_TRIANGLE, vec2(0.0));
-            Ray ray = make_ray(x, omega, 0.0, 3e38);
-            traverse(ray, visit);
-            V = visit.t > 0.0 ? 1.0 : 0.0;
-#endif
-        }
+        bool lit = dot(sun.xyz, N.xyz) > 0.0;
+#ifdef FIRST
+        if (lit) V = seen_of(x, first_point(pixel, sun));
         if ((s & 3) == 0) four = vec4(0.0);
+#else
+        if ((s & 3) == 0) {
+            four = texelFetch(first_seen, ivec3(pixel, s >> 2), 0);
+            sure = agreed(pixel, s >> 2, four);
+        }
+        if (lit && sun.w > 0.0 && !sure[s & 3]) {
+            int n = 0;
+            do V += seen_of(x, point_of(pixel, sun, n)); while (++n < points_of(sun));
+            V /= float(points_of(sun));
+            four *= vec4(notEqual(ivec4(s & 3), ivec4(0, 1, 2, 3)));
+        }
+#endif
         four += V * vec4(equal(ivec4(s & 3), ivec4(0, 1, 2, 3)));
         // Store whole texels, and the last one as it is.
-        if ((s & 3) == 3 || s + 1 == sun_count) imageStore(seen, ivec3(pixel, first_layer + (s >> 2)), four);
+        if ((s & 3) == 3 || s + 1 == sun_count) {
+#ifdef FIRST
+            imageStore(first_image, ivec3(pixel, s >> 2), four);
+#else
+            imageStore(seen, ivec3(pixel, first_layer + (s >> 2)), four);
+#endif
+        }
     } while (++s < sun_count);
 }

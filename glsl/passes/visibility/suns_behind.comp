@@ -1,12 +1,32 @@
 #version 430
 // The light that is left of each sun on the side of the cloth that the pixels do not see.   [own]
+// Defines: FIRST, as passes/visibility/suns.comp.
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/visibility/origin_behind.glsl"
+#include "inputs/visibility/origin_finer.glsl"
 #include "inputs/visibility/sheets.glsl"
+#include "inputs/visibility/sun_points.glsl"
 layout(local_size_x = 8, local_size_y = 8) in;
-uniform samplerBuffer sun_data;  // toward each sun
+#ifdef FIRST
+layout(rgba8) writeonly uniform image2DArray first_image;
+#else
+uniform sampler2DArray first_seen;  // what FIRST found; a layer for each sun
 layout(rgba8) writeonly uniform image2DArray seen_behind;
-uniform int sun_count;           // at least 1
+
+// Whether the pixels about this one found what it found.
+bool agreed(ivec2 pixel, int s, vec4 own) {
+    vec4 low = own, high = own;
+    ivec2 last = textureSize(frame_N, 0) - 1;
+    for (int n = 0; n < 9; ++n) {
+        ivec2 at = clamp(pixel + ivec2(n % 3, n / 3) - 1, ivec2(0), last);
+        if (texelFetch(frame_N, at, 0).w == 0.0) continue;
+        vec4 other = texelFetch(first_seen, ivec3(at, s), 0);
+        low = min(low, other);
+        high = max(high, other);
+    }
+    return all(lessThan(high - low, vec4(AGREE)));
+}
+#endif
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -14,11 +34,25 @@ void main() {
     vec4 N = texelFetch(frame_N, pixel, 0);
     if (N.w == 0.0) return;
     vec3 x = origin_behind(pixel);
+    if (own_levels > 0) x = origin_finer(pixel, -texelFetch(frame_x, pixel, 0).w);
     int s = 0;
     do {
-        vec3 omega = texelFetch(sun_data, s).xyz, T = vec3(0.0);
+        vec4 sun = texelFetch(sun_data, s);
+        bool lit = dot(sun.xyz, N.xyz) < 0.0;
         Visit first;
-        if (dot(omega, N.xyz) < 0.0) T = left_along(x, omega, first);
-        imageStore(seen_behind, ivec3(pixel, s), vec4(T, 0.0));
+#ifdef FIRST
+        vec3 T = vec3(0.0);
+        if (lit) T = left_along(x, first_point(pixel, sun), first);
+        imageStore(first_image, ivec3(pixel, s), vec4(T, 0.0));
+#else
+        vec4 own = texelFetch(first_seen, ivec3(pixel, s), 0);
+        if (lit && sun.w > 0.0 && !agreed(pixel, s, own)) {
+            own = vec4(0.0);
+            int n = 0;
+            do own.rgb += left_along(x, point_of(pixel, sun, n), first); while (++n < points_of(sun));
+            own.rgb /= float(points_of(sun));
+        }
+        imageStore(seen_behind, ivec3(pixel, s), own);
+#endif
     } while (++s < sun_count);
 }
