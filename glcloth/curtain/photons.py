@@ -3,8 +3,9 @@ kd-tree that is built on the GPU, and estimated from the nearest ones.   [Jensen
 
 Each sample of the pixels has photons of its own, found among fewer neighbours from sample to sample, so that both noise and
 blur go to 0.   [Knaus, Zwicker 2011, "Progressive photon mapping: a probabilistic approach"]
-At some of the photons, evenly spread, irradiance is estimated from many neighbours; hits take the mean of what a few of those
-near them have.   [Christensen 1999, "Faster photon map global illumination"]
+At some of the photons, evenly spread, irradiance is estimated from many neighbours; hits in the room take the mean of what a few
+of those near them have.   [Christensen 1999, "Faster photon map global illumination"]   On the cloth, which lies flat for its
+photons, it is estimated at the nodes of a grid.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ import numpy as np
 
 from ..accel.points import TEXELS, PointTree
 from ..accel.structure import Structure, make_structure, tracing
-from ..accel.triangles import Triangles
+from ..accel.triangles import Triangles, pack_units
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.memo import Last
 from ..gpu.programs import programs
@@ -36,6 +37,7 @@ CHUNK = 1 << 15  # photons of a dispatch
 SLOTS = 24  # arrivals of a photon; a roulette sees to it that less than 1e-4 of the light would have more
 GATHERED = 1 << 14  # photons at which irradiance is estimated in the first sample
 INTERPOLATED = 12  # of them that a hit takes
+NODES = (96, 64)  # of the grid on the cloth, at most, across and down, in the first sample
 LEAST_NEIGHBOURS = 8
 SHRINKING = 2 / 3  # alpha of Knaus and Zwicker: 1 keeps the radius, 0 the noise
 WIDEST = 4.0  # the largest disc, in areas that hold the wanted neighbours in the mean
@@ -99,6 +101,8 @@ class PhotonMap:
         self._slots = TextureBuffer(ctx, 64, "rgba32ui")
         self._found, self._begins = TextureBuffer(ctx, 64, "r32ui"), TextureBuffer(ctx, 64, "r32ui")
         self._photons, self._gathered = TextureBuffer(ctx, 64, "rgba32ui"), TextureBuffer(ctx, 64, "rgba32ui")
+        self._node_places, self._node_light = TextureBuffer(ctx, 64, "rgba32ui"), TextureBuffer(ctx, 64, "rgba32ui")
+        self._nodes, self._node_count, self._spread = (2, 2), 0, 1.0
         self._radii = Buffer(ctx, 64)
         self._rim_lists, self._rims = TextureBuffer(ctx, 64, "rg32ui"), TextureBuffer(ctx, 64)
         self._portals, self._sky = TextureBuffer(ctx, 64), TextureBuffer(ctx, 64)
@@ -197,9 +201,15 @@ class PhotonMap:
         yield from self._trace(inputs, structure, found, photons.count, sample, keep_lamp)
         for _ in self.tree.sort(self._photons, self.arrived, self._scale):
             yield {}
-        neighbours = photons.neighbours_of(sample)
-        gathered = self.gather(self.tree.sorted_points, self.arrived, neighbours, photons.shrunk(sample))
+        neighbours, shrunk = photons.neighbours_of(sample), photons.shrunk(sample)
+        gathered = self.gather(self.tree.sorted_points, self.arrived, neighbours, shrunk)
+        # A hit's disc holds INTERPOLATED of them where they are half as dense as in the mean.
+        self._spread = 2 * INTERPOLATED * self._area / (np.pi * max(gathered, 1))
         yield {}
+        if self.cloth:
+            self._lay_nodes(shrunk)
+            self.gather(self._node_places, self._node_count, neighbours, out=self._node_light)
+            yield {}
         for _ in self._gathered_tree.sort(self._gathered, gathered, self._scale):
             yield {}
         yield self.inputs()
@@ -239,16 +249,26 @@ class PhotonMap:
             self.arrived += arrived
             yield {}
 
-    def gather(self, queries: TextureBuffer, count: int, neighbours: int, shrunk: float = 1.0) -> int:
-        """Estimate irradiance at every so manieth of `count` points, so that about GATHERED / shrunk remain; how many do.
+    def gather(
+        self,
+        queries: TextureBuffer,
+        count: int,
+        neighbours: int,
+        shrunk: float | None = None,
+        out: TextureBuffer | None = None,
+    ) -> int:
+        """Estimate irradiance at points.
 
-        queries : as the tree's points, which carry their places. The results lie in `gathered`.
+        queries : as the tree's points, which carry their places. shrunk : take every so manieth of the points alone, so that
+        about GATHERED / shrunk remain. out : where the results are written; None: they are what `gathered` reads
+
+        Returns how many were taken.
         """
-        stride = max(1, round(count * shrunk / GATHERED))
-        taken = -(-count // stride)
-        self._gathered.reserve(BYTES * max(taken, 1))
-        most = min(WIDEST * neighbours * self._area / (np.pi * max(self.arrived, 1)), self._reach**2)
+        stride = 1 if shrunk is None else max(1, round(count * shrunk / GATHERED))
+        taken, out = -(-count // stride), out or self._gathered
+        out.reserve(BYTES * max(taken, 1))
         self._radii.reserve(8 * max(taken, 1))
+        most = min(WIDEST * neighbours * self._area / (np.pi * max(self.arrived, 1)), self._reach**2)
         names = {
             "queries": queries, "query_count": taken, "stride": stride, "nearest_wanted": neighbours, "nearest_most": most,
             "Radii": self._radii,
@@ -257,11 +277,30 @@ class PhotonMap:
             search = programs(self.ctx).compute("passes/curtain/photon_radius.comp")
             search.run(taken, self.tree.inputs(), names, begins=k == 0)
         programs(self.ctx).compute("passes/curtain/photon_gather.comp").run(
-            taken, self.tree.inputs(), names, rim_lists=self._rim_lists, rims=self._rims, Points=self._gathered
+            taken, self.tree.inputs(), names, rim_lists=self._rim_lists, rims=self._rims, Points=out
         )
-        # A hit's disc holds INTERPOLATED of them in the mean where they are a fourth as dense.
-        self._spread = WIDEST * INTERPOLATED * self._area / (np.pi * max(taken, 1))
         return taken
+
+    def _lay_nodes(self, shrunk: float) -> None:
+        """Lay the nodes of the grid on the flat cloth: those of its front row by row, then of its back."""
+        assert self.cloth is not None
+        more = shrunk**-0.5
+        across, down = (
+            min(round(most * more), quads) + 1
+            for most, quads in zip(NODES, (self.cloth.columns, self.cloth.rows), strict=True)
+        )
+        if (across, down) == self._nodes:
+            return
+        self._nodes, self._node_count = (across, down), 2 * across * down
+        width, height = self._size
+        y, x = (a.ravel() for a in np.meshgrid(-np.linspace(0, height, down), np.linspace(0, width, across), indexing="ij"))
+        data = np.zeros((2, len(x), TEXELS, 4), np.uint32)
+        for side, sign in enumerate((1.0, -1.0)):
+            place = np.stack([x, y, np.full_like(x, sign * self._far)], 1)
+            data[side, :, 0, :3] = place.astype(np.float32).view(np.uint32)
+            data[side, :, 0, 3] = pack_units(np.array([0.0, 0.0, sign]))
+            data[side, :, 1, 3] = 2 * len(self.room.positions) + side
+        self._node_places.write(data)
 
     def gathered(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Read back the first points at which irradiance was estimated: positions, irradiance [N, 3], radii [N]."""
@@ -288,12 +327,13 @@ class PhotonMap:
         """The inputs of inputs/tracing/indirect_photons.glsl."""
         return {
             **self._gathered_tree.inputs(), **self._flat(), "nearest_wanted": INTERPOLATED, "nearest_most": self._spread,
+            "cloth_light": self._node_light, "cloth_nodes": self._nodes, "cloth_size": self._size,
         }  # fmt: skip
 
     def release(self) -> None:
         """Free the GPU's memory."""
         for thing in (
             self.tree, self._gathered_tree, self._slots, self._found, self._begins, self._photons, self._gathered,
-            self._radii, self._rim_lists, self._rims, self._portals, self._sky,
+            self._radii, self._node_places, self._node_light, self._rim_lists, self._rims, self._portals, self._sky,
         ):  # fmt: skip
             thing.release()

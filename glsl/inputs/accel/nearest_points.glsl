@@ -43,8 +43,8 @@ void meet_point(inout Search search, int i, int last) {
     uvec4 place = texelFetch(leaf_points, 2 * min(i, last - 1));
     float d2 = disc_distance(uintBitsToFloat(place.xyz) - search.p, search.n);
     // A point tells nothing of the density at its own place.
-    bool met = i < last && d2 > 0.0 && d2 < search.reach && dot(from_octahedral(unpackSnorm2x16(place.w)), search.n) > AGREE;
-    if (!met) return;
+    if (i >= last || d2 <= 0.0 || d2 >= search.reach) return;
+    if (dot(from_octahedral(unpackSnorm2x16(place.w)), search.n) <= AGREE) return;
     if (search.counts) {
         ++nearest_bins[min(int(d2 * search.per_bin), BINS - 1)];
         ++search.within;

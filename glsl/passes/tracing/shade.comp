@@ -78,7 +78,8 @@ void main() {
 #if CLOTH == 0
     vec3 direct = weight.rgb * lamp_light_solid(s, l);
 #if GI == 1
-    vec3 even = s.diffuse * indirect_on_solid(triangle, p, s.N_g) / PI;
+    vec3 even = vec3(0.0);
+    if (met) even = s.diffuse * indirect_on_solid(triangle, p, s.N_g) / PI;
 #else
     vec3 even = even_light(s);
 #endif
