@@ -298,8 +298,13 @@ class Scene(Value):
         "", "what rays are traced through; all give the same picture; median: large nodes cut as in paper B", default="kdtree")
     depth: int = curtain("", "generations of rays: through the cloth and mirrored by it", default=4, ge=1, le=8)
     room: str = curtain("", "OBJ file of the room; none: built in", default="", file=True)
-    gi: Literal["off", "radiosity"] = curtain(
-        "", "light around the room: radiosity, of the sky, the curtain and all bounces; off: even light", default="off")
+    gi: Literal["off", "radiosity", "photons"] = curtain(
+        "", "light around the room: radiosity, of the sky, the curtain and all bounces; photons: the same by photon mapping, for "
+        "stills; off: even light", default="off")
+    photons: int = curtain(
+        "", "photons that begin for each sample of the pixels (gi photons)", default=200_000, ge=1000, le=2_000_000)
+    photon_neighbours: int = curtain(
+        "", "nearest photons of an estimate in the first sample; later ones take fewer (gi photons)", default=400, ge=8, le=4000)
     spread: bool = curtain(
         "", "blur what is seen through the yarns; needs many samples per pixel", default=False)
     cutoff: float = curtain("", "share of the light below which a ray ends", default=1e-3, ge=0, lt=1, option=False)

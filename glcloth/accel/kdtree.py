@@ -31,7 +31,6 @@ LONGEST_LEAF = 60_000  # a loop over more triangles could end silently on a soft
 # Invocations that share a large node: many while the nodes are few, so that every core has work.
 LANES_OF_ALL, FEWEST_LANES, MOST_LANES = 1024, 16, 128
 LANE_REFS = 0xFFFF  # the most references that a lane can count (glsl/trace/split.glsl side_counts)
-NODES_AT_FIRST, REFS_AT_FIRST, LEAF_REFS_AT_FIRST = 3.0, 2.5, 3.5  # for each pair of triangles: a first guess
 # The buffers by their names in the passes (as texture, as block): texels per node, per reference, per reference in a leaf, per
 # lane; texel format. Two lists of active nodes change places level by level.
 BUFFERS = {
@@ -59,13 +58,18 @@ class KdTree:
 
     source = "inputs/accel/kdtree.glsl"
     ordered_hits = True
+    buffers = BUFFERS
+    begin_pass, leaves_pass = "passes/accel/kdtree_init.comp", "passes/accel/kdtree_leaves.comp"
+    at_first = {"node": 3.0, "ref": 2.5, "leaf": 3.5}  # for each pair of triangles: a first guess
+    step_cost: float = CONSTANTS["C_TS"]  # in tests of a pair
+    margin = 0.0  # of empty space round the references of a node that is not cut off, m
     spatial_median = False  # whether large nodes are cut in the middle of their longest side, not where it costs least
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
         self._counters = Buffer(ctx, 4 * CONSTANTS["COUNTERS"])
         self._buffers: dict[str, TextureBuffer] = {}
-        for names, (_, _, texel) in BUFFERS.items():
+        for names, (_, _, texel) in self.buffers.items():
             buffer = TextureBuffer(ctx, 16, texel)
             self._buffers |= dict.fromkeys(names.split(), buffer)
         self._inputs: dict[str, Any] = {}  # of the passes that build
@@ -91,19 +95,22 @@ class KdTree:
         """As `build`, stage by stage, for a caller with other things to do in between."""
         self.triangles = triangles
         count, pairs = triangles.pairs()
+        yield from self._steps(count, triangles.inputs() | {"pairs": pairs}, triangles.padding)
+
+    def _steps(self, count: int, inputs: Mapping[str, Any], padding: float) -> Iterator[None]:
+        """Build the tree of so many references, which `begin_pass` makes of its inputs."""
         if count == 0:
             self._empty()
             return
-        self._inputs = self._buffers | triangles.inputs() | {"pairs": pairs, "Counters": self._counters}
+        self._inputs = self._buffers | dict(inputs) | {"Counters": self._counters}
         self._inputs |= {"most_groups": programs(self.ctx).most_groups, "longest_leaf": LONGEST_LEAF}
         if count != self._pair_count:  # another scene
             self._pair_count, self._levels = count, ALL_LEVELS
-        self._reserve("node", int(NODES_AT_FIRST * count + 256))
-        self._reserve("ref", max(int(REFS_AT_FIRST * count + 256), count))
-        self._reserve("leaf", int(LEAF_REFS_AT_FIRST * count + 256))
+        for unit, times in self.at_first.items():
+            self._reserve(unit, max(int(times * count + 256), count if unit == "ref" else 0))
         while True:
             try:
-                yield from self._attempt(count, triangles.padding)
+                yield from self._attempt(count, padding)
                 return
             except _TooSmallError:
                 self.growths += 1
@@ -123,7 +130,7 @@ class KdTree:
             "node_capacity": self._capacity["node"],
             "column_nodes": self._begin_counters(first_lanes),
         }
-        self._run("passes/accel/kdtree_init.comp", pair_count, pair_count=pair_count, padding=padding)
+        self._run(self.begin_pass, pair_count, pair_count=pair_count, padding=padding)
         self._swap_active()
         clock.lap("init")
         self._split_large(level_counts[0], padding, small)
@@ -134,7 +141,7 @@ class KdTree:
         self._swap_active()
         clock.lap("masks")
         for level in range(level_counts[1]):
-            self._run_counted("passes/accel/kdtree_small.comp", "SMALL_GROUPS", small, skip=3 * level, level=level)
+            self._run_counted("passes/accel/kdtree_small.comp", "SMALL_GROUPS", small, skip=3 * level, level=level, step_cost=self.step_cost)
             self._swap_active()
         clock.lap("small")
         yield
@@ -169,7 +176,7 @@ class KdTree:
                 self._run_counted("passes/accel/kdtree_measure.comp", "LANE_GROUPS")
             self._run_counted(
                 "passes/accel/kdtree_divide.comp", "NODE_GROUPS", small, level=level, small_size=SMALL_SIZE,
-                ref_capacity=refs, next_base=refs * ((level + 1) % 2), spatial_median=self.spatial_median,
+                ref_capacity=refs, next_base=refs * ((level + 1) % 2), spatial_median=self.spatial_median, margin=self.margin,
             )  # fmt: skip
             self._run_counted("passes/accel/kdtree_scatter.comp", "LANE_GROUPS", padding=padding)
             self._run(
@@ -209,7 +216,7 @@ class KdTree:
 
     def _emit(self) -> None:
         self._run_counted("passes/accel/kdtree_emit.comp", "EMIT_GROUPS")
-        self._run_counted("passes/accel/kdtree_leaves.comp", "LEAF_GROUPS")
+        self._run_counted(self.leaves_pass, "LEAF_GROUPS")
 
     def _check(self, counters: np.ndarray, levels: tuple[int, int]) -> None:
         """Raise _TooSmallError where a buffer was too small or levels too few, InputError for too long a leaf."""
@@ -251,7 +258,7 @@ class KdTree:
         if need <= self._capacity[unit]:
             return
         self._capacity[unit] = max(need + spare, 64)
-        for names, (per, texels, _) in BUFFERS.items():
+        for names, (per, texels, _) in self.buffers.items():
             if per == unit:
                 buffer = self._buffers[names.split()[0]]
                 buffer.reserve(self._capacity[unit] * texels * buffer.texel_bytes)

@@ -192,7 +192,7 @@ class Radiosity:
         seen = f.factors[f.light_senders :]
         turn = rotation_y(-shot.env_rotate)
         environment = shot.environment
-        small = None if environment is None else self._small_map.get(lambda: _without_suns(environment), environment)
+        small = None if environment is None else self._small_map.get(lambda: without_suns(environment), environment)
         for corners, F in zip(f.openings, seen, strict=True):
             sees = np.flatnonzero(F)
             radiance = np.zeros((len(sees), 3))
@@ -314,7 +314,7 @@ class Radiosity:
             self._structure.release()
 
 
-def _without_suns(environment: Environment) -> np.ndarray:
+def without_suns(environment: Environment) -> np.ndarray:
     """A small map [32, 64, 3] of an environment without its suns."""
     height, width = environment.radiance.shape[:2]
     rest = split_suns(environment.radiance)[1]

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -26,11 +27,13 @@ from ..tracing.tree_view import TreeContent, draw_tree
 from .form_factors import SLICES, Sheet
 from .hanging import CurtainSimulation, pleated_rail
 from .paths import CurtainPaths
+from .photons import SOURCE, Grid, PhotonMap, Photons
 from .radiosity import Radiosity
 from .room import ROOM, Room, load_room
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
+PHOTON_STRUCTURE = "kdtree"  # of photons where rays are traced through one that takes several dispatches
 VIEWS = ("front", "three-quarter", "close")  # walls hide it from the others
 VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
 
@@ -106,6 +109,7 @@ class CurtainShow:
         self._hung = Triangles(ctx, cloth, self.triangles.padding / PADDING)
         self._radiosity: Radiosity | None = None
         self._paths: CurtainPaths | None = None
+        self._photons: PhotonMap | None = None
         self.tracer = Tracer(ctx)
         self.tracer.set_scene(self.triangles, self.materials)
         self.moved()
@@ -235,22 +239,42 @@ class CurtainShow:
             pass
         return paths.tracer.sums()
 
-    def lit(self, shot: Shot, gi: str | None = None) -> Shot:
+    def lit(self, shot: Shot, other: Scene | None = None) -> Shot:
         """A shot of the present frame, whose structure is built, with the light from around the room as the scene says.
 
-        gi : as another scene says
+        other : as another scene says
         """
-        if (gi or self.scene.gi) == "off":
+        scene = other or self.scene
+        if scene.gi == "off":
             return shot
-        for _ in self.radiosity.prepare():
-            pass
         split = dataclasses.replace(
             shot, lighting=dataclasses.replace(shot.lighting, ambient=(0.0, 0.0, 0.0)), indirect={}
         )
+        if scene.gi == "photons":
+            photons = Photons(scene.photons, scene.photon_neighbours)
+            return dataclasses.replace(split, indirect_source=SOURCE, renewed=self._renewed(split, photons))
+        for _ in self.radiosity.prepare():
+            pass
         structure, first = self.tracer.structure(shot.settings.accelerator), len(self.room.positions)
         return dataclasses.replace(
             split, indirect=self.radiosity.light(split, self.tracer.inputs(split), structure, first)
         )
+
+    @property
+    def photons(self) -> PhotonMap:
+        """The photons of the room and the curtain, made at first use."""
+        if self._photons is None:
+            s = self.simulation
+            self._photons = PhotonMap(self.ctx, self.room, Grid(s.rows - 1, s.columns - 1, s.cloth.parameters.spacing))
+        return self._photons
+
+    def _renewed(self, shot: Shot, photons: Photons) -> Callable[[int], Iterator[Mapping[str, Any]]]:
+        """Finds the photons of each sample of a shot of the present frame."""
+        name = shot.settings.accelerator
+        for _ in self.building(PHOTON_STRUCTURE if name == "brute" else name):
+            pass
+        structure = self.tracer.structure(PHOTON_STRUCTURE if name == "brute" else name)
+        return lambda sample: self.photons.steps(shot, self.tracer.inputs(shot), structure, photons, sample)
 
     def steps(
         self, size: tuple[int, int], spp: int, pixels: Callable[[], int], other: Scene | None = None
@@ -262,7 +286,7 @@ class CurtainShow:
         """
         for _ in self.building((other or self.scene).accelerator):
             pass
-        shot = self.lit(self.shot(other), other.gi if other else None)
+        shot = self.lit(self.shot(other), other)
         settings = dataclasses.replace(shot.settings, spp=spp)
         return self.tracer.steps(dataclasses.replace(shot, size=size, settings=settings), pixels)
 
@@ -308,6 +332,8 @@ class CurtainShow:
         (self._radiosity or self._hung).release()
         if self._paths is not None:
             self._paths.release()
+        if self._photons is not None:
+            self._photons.release()
         self.simulation.release()
 
     def __enter__(self) -> CurtainShow:

@@ -191,6 +191,7 @@ class Rays:
             shade = programs(self.ctx).compute(
                 "passes/tracing/shade.comp",
                 {"CLOTH": cloth, "SPREAD": int(settings.spread), "GI": int(picture.shot.indirect is not None)},
+                {"indirect.glsl": picture.shot.indirect_source},
             )
             shade.run_indirect(
                 self._counts, picture.inputs, skip=4 * groups, layers=self._layers, order=self._order, heads=self._heads,

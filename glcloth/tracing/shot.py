@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -46,7 +46,8 @@ class Shot:
 
     size : width, height in pixels. environment : seen by rays that leave the scene, turned by `env_rotate` degrees.
     offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `settings.spp` points.
-    indirect : inputs of inputs/tracing/indirect.glsl, the light from around the room instead of the lighting's `ambient`.
+    indirect : inputs of `indirect_source`, the light from around the room instead of the lighting's `ambient`.
+    renewed : finds such inputs anew for each sample of the pixels, in steps, the last of which brings them.
     """
 
     camera: Camera
@@ -58,6 +59,8 @@ class Shot:
     env_rotate: float = 0.0
     offsets: tuple[tuple[float, float], ...] | None = None
     indirect: Mapping[str, Any] | None = None
+    indirect_source: str = "inputs/tracing/indirect.glsl"
+    renewed: Callable[[int], Iterator[Mapping[str, Any]]] | None = None
 
     def __post_init__(self) -> None:
         if self.fabric.transmission is None:

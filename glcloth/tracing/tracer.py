@@ -145,6 +145,9 @@ class Tracer:
         self.picture.write(bytes(16 * width * height))
         done = 0
         for sample, camera in enumerate(shot.cameras):
+            for found in shot.renewed(sample) if shot.renewed else ():
+                inputs.update(found)
+                yield done / (width * height * len(shot.samples))
             inputs.update(
                 origin_from_pixel=camera.origin_from_pixel(shot.size), ray_from_pixel=camera.ray_from_pixel(shot.size)
             )

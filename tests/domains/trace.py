@@ -61,12 +61,39 @@ def angles(rng, count):
     return both | {"l": np.linalg.norm(np.cross(both["a"], both["b"]), axis=1)}
 
 
+def ways(rng, count):
+    """From points of a surface to others, some nearly on it, with a normal."""
+    n = directions(rng, count)
+    flat = rng.random((count, 1)) < 0.5
+    d = rng.normal(scale=0.3, size=(count, 3))
+    d -= np.where(flat, 1.0, rng.random((count, 1))) * (d * n).sum(1, keepdims=True) * n
+    return {"way": d, "n": n}
+
+
+def edges_about(rng, count):
+    """Edges near a point, in a plane with a normal; a tenth go through it, as far as float32 can tell."""
+    n = directions(rng, count)
+    u = np.cross(n, directions(rng, count))
+    u /= np.linalg.norm(u, axis=1, keepdims=True)
+    v = np.cross(n, u)
+    p = rng.normal(size=(count, 3))
+    h = np.where(rng.random(count) < 0.1, 0.02, rng.uniform(-1.5, 1.5, count))
+    x = rng.uniform(-2, 2, (count, 2))
+    ends = [p + h[:, None] * v + x[:, k, None] * u + (k * 0.1) * u for k in (0, 1)]
+    return {"p": p, "a": ends[0], "b": ends[1] + 0.1 * np.sign(x[:, 1:] - x[:, :1]) * u, "n": n, "r": rng.uniform(0.3, 1, count)}
+
+
 DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}
 DOMAINS |= {
     name: woven.DOMAINS[name]
     for name in ("roughness", "roughness_p", "eta_1", "eta_2", "rho", "k_a", "k_t", "diffuse", "tau")
 }
 SPECIAL = {
+    ("shifted_hammersley", "i"): lambda rng, count: rng.integers(0, 2**20, count),
+    ("shifted_hammersley", "count"): choice(1, 1000, 2**20),
+    ("shifted_hammersley", "shift"): lambda rng, count: rng.random((count, 2)),
+    ("disc_kernel", "d2"): between(0.0, 2.0),
+    ("disc_kernel", "r2"): between(0.1, 2.0),
     ("band_shares", "z"): between(-1.0, 1.0, 0.0, 0.4),
     ("from_bands", "low"): lambda rng, count: rng.random((count, 4)),
     ("from_bands", "middle"): lambda rng, count: rng.random((count, 4)),
@@ -176,10 +203,14 @@ JOINT = {
     "horizon_point": across_horizon,
     "clipped_edge_factor": seen_quads("abn"),
     "quad_factor": seen_quads("abcdn"),
+    "disc_distance": ways,
+    "cut_share": edges_about,
 }
 TOLERANCE = {
     # A part of 48 turns.
     "disc_point": (1e-4, 5e-5),
+    # Ends that float32 moves along an edge near the point.
+    "cut_share": (1e-4, 2e-5),
     # The cross product of nearly parallel corners cancels; factors are shares of 1.
     "edge_factor": (1e-4, 3e-6),
     "clipped_edge_factor": (1e-4, 1e-5),

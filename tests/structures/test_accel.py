@@ -258,9 +258,7 @@ def test_buffers_that_are_too_small_grow(ctx, keep, monkeypatch):
     triangles, tree, small = Triangles.of(ctx, soup), KdTree(ctx), KdTree(ctx)
     keep += [triangles, tree, small]
     tree.build(triangles)
-    monkeypatch.setattr("glcloth.accel.kdtree.NODES_AT_FIRST", 0.15)
-    monkeypatch.setattr("glcloth.accel.kdtree.REFS_AT_FIRST", 0.125)
-    monkeypatch.setattr("glcloth.accel.kdtree.LEAF_REFS_AT_FIRST", 0.1)
+    monkeypatch.setattr(KdTree, "at_first", {"node": 0.15, "ref": 0.125, "leaf": 0.1})
     small.build(triangles)
     assert small.growths > 0 and tree.growths == 0
     for key, array in tree.arrays().items():

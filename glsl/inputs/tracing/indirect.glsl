@@ -8,7 +8,7 @@ uniform vec4 sheet_place;              // its least x and y; 1 / width, 1 / heig
 uniform ivec2 sheet_cells;
 uniform float sheet_azimuth;           // sine of the azimuths to either side
 
-vec3 indirect_on_solid(int triangle, vec3 p) {
+vec3 indirect_on_solid(int triangle, vec3 p, vec3 N_g) {
     int chart = int(texelFetch(chart_of, triangle).x);
     vec4 a = texelFetch(chart_data, 3 * chart);
     vec4 u = texelFetch(chart_data, 3 * chart + 1);
@@ -32,7 +32,7 @@ vec3 sheet_light(int cell, float s) {
 }
 
 // On the side of the curtain that N points to.
-vec3 indirect_on_cloth(vec3 p, vec3 N) {
+vec3 sheet_light_at(vec3 p, vec3 N) {
     float s = clamp(N.x / sheet_azimuth, -1.0, 1.0);
     vec2 last = vec2(sheet_cells - 1);
     vec2 at = clamp((p.xy - sheet_place.xy) * sheet_place.zw * vec2(sheet_cells) - 0.5, vec2(0.0), last);
@@ -43,4 +43,10 @@ vec3 indirect_on_cloth(vec3 p, vec3 N) {
     vec3 low = mix(sheet_light(side + i.y * sheet_cells.x + i.x, s), sheet_light(side + i.y * sheet_cells.x + j.x, s), f.x);
     vec3 high = mix(sheet_light(side + j.y * sheet_cells.x + i.x, s), sheet_light(side + j.y * sheet_cells.x + j.x, s), f.x);
     return mix(low, high, f.y);
+}
+
+// On the side that N points to, and on the other one.
+void indirect_on_cloth(int triangle, vec2 weights, vec3 p, vec3 N, out vec3 E, out vec3 E_behind) {
+    E = sheet_light_at(p, N);
+    E_behind = sheet_light_at(p, -N);
 }

@@ -18,6 +18,7 @@ layout(std430) buffer Counters { uint counter[]; };
 layout(std430) writeonly buffer Active { uint next_active[]; };
 layout(std430) writeonly buffer Roots { uvec4 root[]; };
 uniform bool spatial_median;  // instead of the plane of least cost
+uniform float margin;        // of empty space round the references that is not cut off: of points, whose boxes have no extent
 uniform int level;
 uniform int small_size;      // a node of at most so many references is small
 uniform int node_capacity;
@@ -107,7 +108,7 @@ void main() {
             column = uint(2 + k);
         }
     }
-    vec4 gap = gap_plane(cell_low, cell_high, low, high, EMPTY_SHARE);
+    vec4 gap = gap_plane(cell_low, cell_high, low - margin, high + margin, EMPTY_SHARE);
     uint all_sides = 0u;
     if (gap.xyz != vec3(0.0)) {
         bool all_left = gap.x + gap.y + gap.z < 0.0;

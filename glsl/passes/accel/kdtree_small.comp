@@ -1,7 +1,7 @@
 #version 430
 // One level of small nodes, one invocation a node: the candidate of least SAH cost, or a leaf.
 // [Zhou 2008, section 3.2; Mat 6, erratum E11]
-//   cost = C_TS + (N_left A_left + N_right A_right) / A; a leaf costs its number of triangles.
+//   cost = step_cost + (N_left A_left + N_right A_right) / A; a leaf costs its number of triangles.
 #include "trace/shared.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
@@ -13,6 +13,7 @@ uniform usamplerBuffer masks;
 layout(std430) writeonly buffer Nodes { uvec4 node[]; };
 layout(std430) writeonly buffer Active { uint next_active[]; };
 uniform int level;
+uniform float step_cost;     // of a step, in tests of a reference
 uniform int node_capacity;
 uniform int small_base;      // where the references of small nodes begin; masks are counted from there
 
@@ -52,7 +53,7 @@ void main() {
             // Strictly inside: then each plane serves once on a path, and the splitting ends.
             if (plane > low[axis] && plane < high[axis]) {
                 ivec4 bits = bitCount(texelFetch(masks, m + c) & set.xyxy);
-                float cost = C_TS * area + float(bits.x + bits.y) * (face[axis] + rim[axis] * (plane - low[axis]))
+                float cost = step_cost * area + float(bits.x + bits.y) * (face[axis] + rim[axis] * (plane - low[axis]))
                              + float(bits.z + bits.w) * (face[axis] + rim[axis] * (high[axis] - plane));
                 if (cost < best) {
                     best = cost;

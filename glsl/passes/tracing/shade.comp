@@ -9,7 +9,7 @@
 // head's layers have all been found at once and a transmitted ray is its parent's next layer; otherwise it is a new head.
 // Defines: CLOTH, 1: the rays that hit cloth, 0: the others (passes/tracing/sort.comp parts them). SPREAD, 1: draw the
 // transmitted direction from the lobes instead of going straight on. GI, 1: light comes from all around the room instead of
-// `ambient`, and what cloth lets through is split as in woven/sheet.glsl: T_straight goes on, T_lambert is scattered.
+// `ambient` ("indirect.glsl" finds it), and what cloth lets through is split as in woven/sheet.glsl: T_straight goes on, T_lambert is scattered.
 #include "trace/shared.glsl"
 #include "trace/intersect.glsl"
 #include "trace/spread.glsl"
@@ -18,7 +18,7 @@
 #include "inputs/accel/ray.glsl"
 #include "inputs/tracing/claim.glsl"
 #if GI == 1
-#include "inputs/tracing/indirect.glsl"
+#include "indirect.glsl"
 #endif
 
 layout(local_size_x = 64) in;
@@ -78,7 +78,8 @@ void main() {
 #if CLOTH == 0
     vec3 direct = weight.rgb * lamp_light_solid(s, l);
 #if GI == 1
-    vec3 even = s.diffuse * indirect_on_solid(triangle, p) / PI;
+    vec3 even = vec3(0.0);
+    if (met) even = s.diffuse * indirect_on_solid(triangle, p, s.N_g) / PI;
 #else
     vec3 even = even_light(s);
 #endif
@@ -88,10 +89,12 @@ void main() {
     vec3 omega_o = -d * world_from_surface;
     vec3 direct = weight.rgb * lamp_light_cloth(world_from_surface, omega_o, l);
 #if GI == 1
-    vec3 even = cloth_albedo * indirect_on_cloth(p, s.N) / PI;
+    vec3 E, E_behind;
+    indirect_on_cloth(triangle, at, p, s.N, E, E_behind);
+    vec3 even = cloth_albedo * E / PI;
     vec3 through = T_straight(omega_o, k_a, k_t, tau, rho, diffuse);
 #if SPREAD == 0
-    even += T_lambert(omega_o, k_t, tau, rho, diffuse) * indirect_on_cloth(p, -s.N) / PI;
+    even += T_lambert(omega_o, k_t, tau, rho, diffuse) * E_behind / PI;
 #endif
 #else
     vec3 even = even_light(s);

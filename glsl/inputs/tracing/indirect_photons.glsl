@@ -1,0 +1,32 @@
+// Light that comes from the room, the curtain and the sky, and not straight from the lamp: irradiance, from the estimates among
+// photons that glcloth/curtain/photons.py makes.
+#include "inputs/accel/nearest_points.glsl"
+#include "inputs/tracing/flat_cloth.glsl"
+uniform usamplerBuffer cloth_light;  // of the nodes on its front, row by row from the top, then on its back: two texels, (-) (W/m^2, -)
+uniform ivec2 cloth_nodes;           // across and down
+uniform vec2 cloth_size;             // of the flat cloth, m
+
+vec3 indirect_on_solid(int triangle, vec3 p, vec3 N_g) {
+    Nearest near = nearest_points(p, N_g);
+    return near.sum / max(near.weight, 1e-20);
+}
+
+vec3 node_light(int node) { return uintBitsToFloat(texelFetch(cloth_light, 2 * node + 1).xyz); }
+
+vec3 cloth_light_at(int side, ivec2 node, vec2 f) {
+    int k = (side * cloth_nodes.y + node.y) * cloth_nodes.x + node.x;
+    vec3 low = mix(node_light(k), node_light(k + 1), f.x);
+    k += cloth_nodes.x;
+    return mix(low, mix(node_light(k), node_light(k + 1), f.x), f.y);
+}
+
+// On the side that N points to, and on the other one.
+void indirect_on_cloth(int triangle, vec2 weights, vec3 p, vec3 N, out vec3 E, out vec3 E_behind) {
+    FlatPlace place = flat_place(triangle, weights, N);
+    vec2 last = vec2(cloth_nodes - 1);
+    vec2 at = clamp(vec2(place.p.x, -place.p.y) / cloth_size * last, vec2(0.0), last);
+    ivec2 node = min(ivec2(at), cloth_nodes - 2);
+    vec2 f = at - vec2(node);
+    E = cloth_light_at(place.side, node, f);
+    E_behind = cloth_light_at(1 - place.side, node, f);
+}
