@@ -84,10 +84,10 @@ def portals_of(ctx: moderngl.Context, room: Room) -> np.ndarray:
     structure = make_structure(ctx, "lbvh")
     try:
         structure.build(triangles)
-        positions = facing_the_room(room.positions, structure, ctx)
+        positions = facing_the_room(room.positions, structure, ctx, room.material)
         low, high = (bound(positions.reshape(-1, 3), axis=0).astype(float) for bound in (np.min, np.max))
         try:
-            cells = find_openings(make_charts(positions), low, high, structure, ctx)
+            cells = find_openings(make_charts(positions, material=room.material), low, high, structure, ctx)
         except InputError:  # too many parts for charts: the sky is then drawn as in the open
             return np.zeros((0, 3, 3))
     finally:

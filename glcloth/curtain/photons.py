@@ -121,7 +121,7 @@ class PhotonMap:
         try:
             structure.build(triangles)
             rims: Rims = find_rims(self.ctx, self.room.positions, structure, self._reach)
-            faces = facing_the_room(self.room.positions, structure, self.ctx)
+            faces = facing_the_room(self.room.positions, structure, self.ctx, self.room.material)
             self._openings = find_openings(self._surface_points(faces), *self._box, structure, self.ctx)
         finally:
             structure.release()
