@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from ..gpu.buffers import Buffer, TextureBuffer
-from ..gpu.programs import programs
+from ..gpu.programs import Compute, programs
 from .structure import Structure
 
 NO_TRIANGLE = 0xFFFFFFFF
@@ -88,24 +88,33 @@ class RayQueries:
 
 
 def cast(
-    structure: Structure,
-    visit: Visitor,
-    rays: TextureBuffer,
-    hits: Buffer,
-    count: int,
-    first: int = 0,
-    work: Buffer | None = None,
+    structure: Structure, visit: Visitor, rays: TextureBuffer, hits: Buffer, count: int, work: Buffer | None = None
 ) -> None:
-    """Cast `count` rays from number `first` on, as passes/accel/rays.comp lays out rays and hits.
+    """Cast the first `count` rays, as passes/accel/rays.comp lays out rays and hits.
 
     work : where the steps and the triangle tests of each ray are noted, two uints a ray
     """
+    program = _program(rays.ctx, structure, visit, "inputs/accel/range_given.glsl", work is not None)
+    where = {"ray_count": count, "first_ray": 0, "resume": 0, "Work": work}
+    for chunk in structure.chunks():
+        program.run(count, structure.inputs(), where | chunk, rays=rays, Hits=hits)
+
+
+def cast_counted(structure: Structure, rays: TextureBuffer, hits: Buffer, counts: Buffer, skip: int) -> None:
+    """Find the nearest hits of the rays that inputs/tracing/range_heads.glsl names by `counts`, by as many work groups as
+    stand there behind `skip` bytes."""
+    program = _program(rays.ctx, structure, "closest", "inputs/tracing/range_heads.glsl", False)
+    for chunk in structure.chunks():
+        program.run_indirect(
+            counts, structure.inputs(), {"resume": 0} | chunk, skip=skip, rays=rays, Hits=hits, Counts=counts
+        )
+
+
+def _program(ctx: moderngl.Context, structure: Structure, visit: Visitor, range_: str, counted: bool) -> Compute:
     virtual = {
         "accel.glsl": structure.source,
         "visit.glsl": VISITORS[visit],
-        "count.glsl": "inputs/accel/count_none.glsl" if work is None else "inputs/accel/count_steps.glsl",
+        "range.glsl": range_,
+        "count.glsl": "inputs/accel/count_steps.glsl" if counted else "inputs/accel/count_none.glsl",
     }
-    program = programs(rays.ctx).compute("passes/accel/rays.comp", None, virtual)
-    where = {"ray_count": count, "first_ray": first, "resume": 0, "Work": work}
-    for chunk in structure.chunks():
-        program.run(count, structure.inputs(), where | chunk, rays=rays, Hits=hits)
+    return programs(ctx).compute("passes/accel/rays.comp", None, virtual)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import moderngl
 import numpy as np
 
-from ..accel.queries import cast
+from ..accel.queries import cast_counted
 from ..accel.structure import Structure
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.layout import shared
@@ -77,8 +77,8 @@ class Generation:
         self.front = self.back = self.capacity = 0
 
     def reserve(self, capacity: int) -> None:
-        """Make room for so many rays."""
-        self.capacity = capacity
+        """Make room for so many rays, or as many as there is room for."""
+        self.capacity = capacity = max(capacity, self.capacity)
         for buffer in (self.weights, self.radiance, self.children):
             buffer.reserve(capacity * buffer.texel_bytes)
 
@@ -105,7 +105,7 @@ class Rays:
         self.ctx = ctx
         self._generations = [Generation(ctx) for _ in range(DEEPEST + 1)]
         self._heads = TextureBuffer(ctx, 64)
-        self._head_count = self._cast_count = 0
+        self._head_capacity = 0
         self._layers = TextureBuffer(ctx, 64, "rgba32ui")  # that the heads meet
         self._order = TextureBuffer(ctx, 64, "r32ui")  # of the rays of a generation, to shade
         self._shadows = TextureBuffer(ctx, 64)
@@ -115,77 +115,108 @@ class Rays:
         """Add one sample of each pixel of a tile to the picture."""
         shot = picture.shot
         where = {"size": shot.size, "tile_first": tile.first, "tile_blocks": tile.blocks}
-        first = self._generations[0]
-        first.reserve(tile.rays)
-        first.front, first.back = tile.rays, 0
-        self._heads.extend(32 * tile.rays)
-        self._head_count, self._cast_count = tile.rays, 0
-        programs(self.ctx).compute("passes/tracing/camera.comp").run(
-            tile.rays, where, picture.inputs, jitter=shot.samples[sample], stride=picture.stride, Heads=self._heads,
-            Weights=first.weights,
-        )  # fmt: skip
-        level = 0
-        while level < shot.settings.depth and self._generations[level].count:
-            self._trace_generation(picture, level, sample)
-            level += 1
+        self._make_room(tile.rays, shot.settings.depth)
+        while not self._attempt(picture, tile.rays, where, sample):
+            pass
+        parts = [generation for generation in self._generations if generation.count]
         gather = programs(self.ctx).compute("passes/tracing/gather.comp")
-        for parent, child in reversed(list(pairwise(self._generations[:level]))):
+        for parent, child in reversed(list(pairwise(parts))):
             gather.run(
                 parent.count, parent.runs, next_radiance=child.radiance, children=parent.children,
                 Radiances=parent.radiance,
             )  # fmt: skip
         programs(self.ctx).compute("passes/tracing/picture.comp").run(
-            tile.rays, where, share=1.0 / len(shot.samples), radiances=first.radiance, Picture=picture.buffer
+            tile.rays, where, share=1.0 / len(shot.samples), radiances=parts[0].radiance, Picture=picture.buffer
         )
 
-    def _trace_generation(self, picture: Picture, level: int, sample: int) -> None:
-        """Cast, shade and shadow one generation, and make the next."""
-        now = self._generations[level]
+    def _make_room(self, rays: int, depth: int) -> None:
+        """Places for a first try: of the last picture, or as if each generation had as many rays as the first."""
+        for level in range(depth):
+            self._generations[level].reserve(rays)
+        self._generations[depth].reserve(1)
+        self._head_capacity = max(self._head_capacity, rays + rays // 2)
+
+    def _attempt(self, picture: Picture, rays: int, where: Mapping[str, Any], sample: int) -> bool:
+        """Trace all generations of so many camera rays; whether there was room for them. There is more then.
+
+        The GPU counts the rays of each generation and dispatches by them; the CPU waits once, at the end.
+        """
+        shot, first, settings = picture.shot, self._generations[0], picture.shot.settings
+        self._heads.reserve(32 * self._head_capacity)
+        self._layers.reserve(16 * picture.stride * self._head_capacity)
+        self._order.reserve(4 * max(generation.capacity for generation in self._generations))
+        self._shadows.reserve(32 * max(generation.capacity for generation in self._generations))
+        self._begin_counts(rays)
+        programs(self.ctx).compute("passes/tracing/camera.comp").run(
+            rays, where, picture.inputs, jitter=shot.samples[sample], stride=picture.stride, Heads=self._heads,
+            Weights=first.weights,
+        )  # fmt: skip
+        stages = [self._trace_generation(picture, level, sample) for level in range(settings.depth)]
+        counts = np.frombuffer(self._counts.read(4 * COUNTS["COUNTS"]), np.uint32)
+        log = counts[COUNTS["LOG"] :].reshape(-1, COUNTS["LOG_COUNTS"]).tolist()
+        for generation, (count, front, _, _) in zip(self._generations, log, strict=True):
+            generation.front, generation.back = front, count - front
+        need_rays, need_heads = int(counts[COUNTS["NEED_RAYS"]]), int(counts[COUNTS["NEED_HEADS"]])
+        if need_rays or need_heads:
+            # Those behind it are not known yet.
+            level = sum(row[0] > 0 for row in log)
+            for generation in self._generations[level : settings.depth]:
+                generation.reserve(need_rays + need_rays // 4)
+            self._head_capacity = max(self._head_capacity, need_heads + need_heads // 4)
+            return False
+        for level, (count, _, heads, shadows) in enumerate(log):
+            if count:
+                picture.statistics.add(level, count, heads, shadows, stages[level])
+        return True
+
+    def _begin_counts(self, rays: int) -> None:
+        """Write the counters of a generation of camera rays alone."""
+        counts = np.zeros(COUNTS["COUNTS"], np.uint32)
+        for name in ("RAYS", "FRONT", "HEADS", "CAST"):
+            counts[COUNTS[name]] = rays
+        log = COUNTS["LOG"]
+        counts[log : log + 3] = rays
+        most, group = programs(self.ctx).most_groups, COUNTS["GROUP"]
+        rows = -(-rays // (group * most))
+        counts[COUNTS["COLUMN_RAYS"]] = rows * group
+        for name, items in (
+            ("RAY_GROUPS", -(-rays // CONSTANTS["PART_SHARE"])), ("HEAD_GROUPS", rays), ("CLOTH_GROUPS", 0),
+            ("OTHER_GROUPS", 0), ("SHADOW_GROUPS", 0),
+        ):  # fmt: skip
+            groups = -(-items // group)
+            down = -(-groups // most) if items else rows
+            counts[COUNTS[name] :][:3] = -(-groups // down), down, 1
+        self._counts.write(counts)
+
+    def _trace_generation(self, picture: Picture, level: int, sample: int) -> list[float]:
+        """Cast, shade and shadow one generation, and make the next; the milliseconds of each."""
         clock = [time.perf_counter()]
-        heads = self._cast(picture, level)
+        self._cast(picture, level)
         clock.append(time.perf_counter())
-        shadows = self._shade(picture, level, sample)
+        self._shade(picture, level, sample)
         clock.append(time.perf_counter())
-        self._shadow(picture, now, shadows)
+        self._shadow(picture, self._generations[level])
         clock.append(time.perf_counter())
-        stages = [1000 * (b - a) for a, b in pairwise(clock)]
-        picture.statistics.add(level, now.count, heads, shadows, stages)
+        return [1000 * (b - a) for a, b in pairwise(clock)]
 
-    def _cast(self, picture: Picture, level: int) -> int:
-        """Find the new heads' hits: layers, or with a stride of 1 the nearest one; how many heads there are."""
+    def _cast(self, picture: Picture, level: int) -> None:
+        """Find the new heads' hits: layers, or with a stride of 1 the nearest one."""
         structure, stride = picture.structure, picture.stride
-        first, count = self._cast_count, self._head_count - self._cast_count
-        self._cast_count = self._head_count
-        if not count:
-            return 0
-        self._layers.extend(16 * stride * (first + count))
         if stride == 1:
-            cast(structure, "closest", self._heads, self._layers, count, first)
+            cast_counted(structure, self._heads, self._layers, self._counts, 4 * COUNTS["HEAD_GROUPS"])
         else:
-            _through(self.ctx, "passes/tracing/layers.comp", structure).run(
-                count, structure.inputs(), heads=self._heads, Layers=self._layers, first_head=first, head_count=count,
-                stride=stride, most_layers=picture.shot.settings.depth - level,
+            _through(self.ctx, "passes/tracing/layers.comp", structure).run_indirect(
+                self._counts, structure.inputs(), skip=4 * COUNTS["HEAD_GROUPS"], heads=self._heads, Layers=self._layers,
+                Counts=self._counts, stride=stride, most_layers=picture.shot.settings.depth - level,
             )  # fmt: skip
-        return count
 
-    def _shade(self, picture: Picture, level: int, sample: int) -> int:
-        """Shade the hits of a generation and make the rays of the next; how many shadow rays wait then."""
+    def _shade(self, picture: Picture, level: int, sample: int) -> None:
+        """Shade the hits of a generation and make the rays of the next."""
         now, then = self._generations[level], self._generations[level + 1]
         settings = picture.shot.settings
-        then.reserve(max(2 * now.count, 1) if level + 1 < settings.depth else 1)
-        self._shadows.reserve(32 * now.count)
-        self._heads.extend(32 * (self._head_count + 2 * now.count))
-        self._order.reserve(4 * now.count)
-        counts = np.zeros(COUNTS["COUNTS"], np.uint32)
-        counts[COUNTS["HEADS"]] = self._head_count
-        # Work groups along y, where a device may not take all of them along x.
-        rows = -(-now.count // (COUNTS["GROUP"] * programs(self.ctx).most_groups))
-        for groups in (COUNTS["CLOTH_GROUPS"], COUNTS["OTHER_GROUPS"]):
-            counts[groups + 1 : groups + 3] = rows, 1
-        self._counts.write(counts)
-        programs(self.ctx).compute("passes/tracing/sort.comp").run(
-            -(-now.count // CONSTANTS["PART_SHARE"]), now.runs, picture.inputs, layers=self._layers, weights=now.weights,
-            Order=self._order, Counts=self._counts, column_rays=rows * COUNTS["GROUP"],
+        programs(self.ctx).compute("passes/tracing/sort.comp").run_indirect(
+            self._counts, picture.inputs, skip=4 * COUNTS["RAY_GROUPS"], layers=self._layers, weights=now.weights,
+            Order=self._order, Counts=self._counts, capacity=now.capacity,
         )  # fmt: skip
         for cloth, groups in ((1, COUNTS["CLOTH_GROUPS"]), (0, COUNTS["OTHER_GROUPS"])):
             shade = programs(self.ctx).compute(
@@ -198,22 +229,23 @@ class Rays:
                 weights=now.weights, Heads=self._heads, Weights=then.weights, Radiances=now.radiance,
                 Children=now.children, Shadows=self._shadows, Counts=self._counts, next_last=then.capacity - 1, level=level,
                 last_level=settings.depth - 1, generation_seed=sample * DEEPEST + level, stride=picture.stride,
-                layered=picture.stride > 1,
+                layered=picture.stride > 1, head_capacity=self._head_capacity,
             )  # fmt: skip
-        read = np.frombuffer(self._counts.read(4 * COUNTS["READ_COUNTS"]), np.uint32)
-        then.front, then.back = int(read[COUNTS["ONWARD"]]), int(read[COUNTS["MIRRORED"]])
-        self._head_count = int(read[COUNTS["HEADS"]])
-        return int(read[COUNTS["WAITING"]])
+        programs(self.ctx).compute("passes/tracing/generation.comp").run(
+            1, Counts=self._counts, level=level, next_capacity=then.capacity, head_capacity=self._head_capacity,
+            most_groups=programs(self.ctx).most_groups,
+        )  # fmt: skip
 
-    def _shadow(self, picture: Picture, now: Generation, count: int) -> None:
+    def _shadow(self, picture: Picture, now: Generation) -> None:
         """Add the lamp's light to the rays that wait for it."""
         structure = picture.structure
         program = _through(self.ctx, "passes/tracing/shadow.comp", structure)
         chunks = list(structure.chunks())
         for k, chunk in enumerate(chunks):
-            program.run(
-                count, structure.inputs(), picture.inputs, chunk, shadows=self._shadows, Shadows=self._shadows,
-                Radiances=now.radiance, shadow_count=count, last_chunk=k == len(chunks) - 1,
+            program.run_indirect(
+                self._counts, structure.inputs(), picture.inputs, chunk, skip=4 * COUNTS["SHADOW_GROUPS"],
+                shadows=self._shadows, Shadows=self._shadows, Radiances=now.radiance, Counts=self._counts,
+                last_chunk=k == len(chunks) - 1,
             )  # fmt: skip
 
     def release(self) -> None:

@@ -13,6 +13,7 @@ from glcloth.gpu.programs import programs
 from glcloth.gpu.tally import counting
 from glcloth.light.environment import Environment, lookup, rotation_y
 from glcloth.tracing.lamp import Lamp, Lighting
+from glcloth.tracing.rays import COUNTS
 from glcloth.tracing.shot import Shot, TraceSettings
 from glcloth.tracing.tracer import Tracer
 from glcloth.twins import sheet
@@ -335,7 +336,7 @@ def test_statistics_add_up(tracer):
     assert s.total_ms >= sum(s.trace_ms) + sum(s.shade_ms) + sum(s.shadow_ms)
 
 
-def test_the_cpu_waits_once_a_generation(ctx, tracer):
+def test_the_cpu_waits_once_a_tile(ctx, tracer):
     """For the numbers of its rays; and once for the picture."""
     scene = folded_scene()
     for depth in (1, 4):
@@ -345,7 +346,36 @@ def test_the_cpu_waits_once_a_generation(ctx, tracer):
                 **scene,
                 shot=Shot(camera=ROOM_CAMERA, size=(32, 32), fabric=VOILE, lighting=ROOM_LIGHT, settings=settings),
             )
-        assert (counted.reads, counted.read_bytes) == (depth + 1, 16 * depth + 16 * 32 * 32)
+        assert (counted.reads, counted.read_bytes) == (2, 4 * COUNTS["COUNTS"] + 16 * 32 * 32)
+
+
+@pytest.mark.parametrize("accelerator", ["kdtree", "lbvh"])
+def test_a_tile_without_room_begins_anew(ctx, tracer, monkeypatch, accelerator):
+    """Whatever the first guess of the places that generations and heads need: the same bits, and the next picture fits."""
+    scene, settings = folded_scene(), TraceSettings(accelerator=accelerator)
+    shot = Shot(camera=ROOM_CAMERA, size=(64, 48), fabric=VOILE, lighting=ROOM_LIGHT, settings=settings)
+    expected = tracer.render(**scene, shot=shot)
+    rays = dict(zip(("rays", "heads", "shadow_rays"), (list(v) for v in (
+        tracer.statistics.rays, tracer.statistics.heads, tracer.statistics.shadow_rays)), strict=True))  # fmt: skip
+    for few in (1, 700):
+        other = Tracer(ctx)
+        narrow = other._rays
+
+        def make_room(first, depth, narrow=narrow, few=few):
+            for level, generation in enumerate(narrow._generations):
+                generation.reserve(first if level == 0 else few)
+            narrow._head_capacity = max(narrow._head_capacity, first)
+
+        monkeypatch.setattr(narrow, "_make_room", make_room)
+        try:
+            with counting(ctx) as counted:
+                np.testing.assert_array_equal(other.render(**scene, shot=shot), expected)
+            with counting(ctx) as again:
+                np.testing.assert_array_equal(other.render(**scene, shot=shot), expected)
+            assert counted.reads > again.reads
+            assert {name: getattr(other.statistics, name) for name in rays} == rays
+        finally:
+            other.release()
 
 
 def test_a_grid_on_the_gpu_is_the_same_as_arrays(ctx, tracer):

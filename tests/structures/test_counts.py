@@ -21,8 +21,7 @@ SMALL = {
     "passes/accel/kdtree_level.comp": "the counters of a level",
     "passes/accel/kdtree_order.comp": "one work group",
     "passes/simulation/strips.comp": "one a strip",
-    "passes/tracing/sort.comp": "32 rays each: the last generations have few",
-    "passes/tracing/layers.comp": "one a head: the last generations have few",
+    "passes/tracing/generation.comp": "the counters of a generation",
 }
 
 
@@ -60,8 +59,8 @@ def test_a_frame_of_the_curtain_waits_as_often_as_is_said(ctx, curtain):
     # The counters of the tree.
     assert (moved.reads, built.reads) == (0, 1)
     assert built.read_bytes < 1024
-    # Once a generation: how many rays the next one has.
-    assert (traced.reads, traced.read_bytes) == (4, 4 * 16)
+    # How many rays each generation had, and whether there was room for them.
+    assert traced.reads == 1 and traced.read_bytes < 1024
     with counting(ctx) as read:
         curtain.tracer.picture.read(16 * SIZE[0] * SIZE[1])
     assert read.reads == 1
@@ -72,7 +71,7 @@ def test_dispatches_of_a_frame_of_the_curtain(ctx, curtain):
     large, small = tree.large_levels + 1, tree.small_levels + 1
     moved, built, traced = frame_of(curtain, ctx)
     assert built.dispatched == 4 * large + small + 7
-    assert traced.dispatched == 4 * 5 + 3 + 2
+    assert traced.dispatched == 4 * 6 + 3 + 2
     assert moved.dispatched <= 80
     few = {path for counted in (moved, built, traced) for path, items in counted.fewest.items() if items < FEW}
     assert few <= SMALL.keys()

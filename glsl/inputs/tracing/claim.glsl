@@ -1,10 +1,9 @@
 // Places in lists that all work groups append to. Invocations claim theirs within the group, and the group claims all of
 // them at once: one atomic operation a group and list, since cores that meet at one address wait for each other. Every
 // invocation calls begin_claims() and settle_claims() once, outside of any branch, and claims in between.
-// counts.glsl names the lists, below READ_COUNTS.
+// counts.glsl names the lists, below CLAIMS.
 #include "inputs/tracing/counts.glsl"
 
-const int CLAIMS = READ_COUNTS;
 shared uint claimed[CLAIMS];
 shared uint claimed_from[CLAIMS];
 

@@ -1,16 +1,15 @@
 #version 430
 // Traces rays through the structure that is included as "accel.glsl" with the visitor "visit.glsl" (closest or any).
 // A ray is two texels: (origin, t_min) (direction, t_max). A hit is one: (t, triangle, v, w).
-// `resume` continues from the hits of an earlier dispatch.
+// `resume` continues from the hits of an earlier dispatch. "range.glsl" says which rays.
 #include "inputs/accel/ray.glsl"
 #include "visit.glsl"
 #include "accel.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
+#include "range.glsl"
 uniform samplerBuffer rays;
 layout(std430) buffer Hits { uvec4 hits[]; };
-uniform int ray_count;
-uniform int first_ray;
 uniform int resume;
 
 void main() {

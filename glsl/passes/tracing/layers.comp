@@ -7,15 +7,14 @@ layout(std430) writeonly buffer Layers { uvec2 layer_out[]; };  // (t, triangle,
 #include "accel.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
+#include "inputs/tracing/range_heads.glsl"
 uniform samplerBuffer heads;  // (origin, t_min) (direction, t_max)
-uniform int first_head;
-uniform int head_count;
 uniform int stride;
 
 void main() {
     int i = item();
-    if (i >= head_count) return;
-    i += first_head;
+    if (i >= ray_count) return;
+    i += first_ray;
     vec4 o = texelFetch(heads, 2 * i);
     vec4 d = texelFetch(heads, 2 * i + 1);
     Visit visit = Visit(d.w, NO_TRIANGLE, o.w, 0, 0, i * stride, d.w);

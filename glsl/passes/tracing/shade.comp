@@ -36,6 +36,7 @@ layout(std430) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray
 uniform int stride;
 uniform bool layered;
 uniform int next_last;       // the last place in the next generation's queue; mirrored rays fill it from here down
+uniform uint head_capacity;  // heads beyond it, and rays beyond the queue, are counted and not kept
 uniform int level;
 uniform int last_level;
 uniform int generation_seed;  // of the sample and the level
@@ -140,18 +141,22 @@ void main() {
         int next_layer = layer + 1;
         if (!layered) {
             uint k = place_of(HEADS, onward_head);
-            head_out[2u * k] = from;
-            head_out[2u * k + 1u] = vec4(onward, far);
+            if (k < head_capacity) {
+                head_out[2u * k] = from;
+                head_out[2u * k + 1u] = vec4(onward, far);
+            }
             next_layer = int(k) * stride;
         }
-        weight_out[next.x] = vec4(through, intBitsToFloat(next_layer));
+        if (next.x <= uint(next_last)) weight_out[next.x] = vec4(through, intBitsToFloat(next_layer));
     }
     if (is_mirrored) {
         next.y = uint(next_last) - place_of(MIRRORED, mirrored_claim);
         uint k = place_of(HEADS, mirrored_head);
-        head_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
-        head_out[2u * k + 1u] = vec4(mirrored_direction(d, s.N, s.N_g), far);
-        weight_out[next.y] = vec4(mirrored, intBitsToFloat(int(k) * stride));
+        if (k < head_capacity) {
+            head_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
+            head_out[2u * k + 1u] = vec4(mirrored_direction(d, s.N, s.N_g), far);
+        }
+        if (next.y <= uint(next_last)) weight_out[next.y] = vec4(mirrored, intBitsToFloat(int(k) * stride));
     }
 #endif
     if (live) {

@@ -8,10 +8,10 @@
 #include "accel.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
+#include "inputs/tracing/counts.glsl"
 uniform samplerBuffer shadows;  // (point, ray) (radiance, -)
 layout(std430) buffer Radiances { vec4 radiance[]; };
 layout(std430) buffer Shadows { vec4 shadow_out[]; };
-uniform int shadow_count;
 uniform bool last_chunk;
 uniform vec3 lamp;         // its position
 uniform float beyond;      // further than this from a point of the scene there is nothing
@@ -19,7 +19,7 @@ uniform float offset;      // nearer than this to the lamp nothing counts
 
 void main() {
     int i = item();
-    if (i >= shadow_count) return;
+    if (i >= int(count[SHADOWS])) return;
     vec4 point = texelFetch(shadows, 2 * i);
     vec3 light = texelFetch(shadows, 2 * i + 1).rgb;
     vec3 toward = lamp - point.xyz;

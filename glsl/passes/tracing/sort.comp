@@ -11,24 +11,22 @@ uniform usamplerBuffer layers;           // (t, triangle, v, w)
 uniform usamplerBuffer attribute_data;  // one texel: material, -
 uniform samplerBuffer weights;          // (weight, layer)
 layout(std430) writeonly buffer Order { uint order[]; };
-uniform int ray_count;
-uniform int front_count;
-uniform int back_first;
-uniform uint column_rays;  // of the work groups along y that one along x stands for
+uniform int capacity;  // of the queue
 
 // A place for `rays` more in one of the two lists; the column of work groups that the last one begins is counted.
 uint place_in(int list, int groups, uint rays) {
-    uint first = atomicAdd(count[list], rays);
+    uint first = atomicAdd(count[list], rays), column_rays = count[COLUMN_RAYS];
     uint begun = (first + rays + column_rays - 1u) / column_rays - (first + column_rays - 1u) / column_rays;
     if (begun > 0u) atomicAdd(count[groups], begun);
     return first;
 }
 
 void main() {
+    int ray_count = int(count[RAYS]), front_count = int(count[FRONT]);
     int begin = PART_SHARE * item();
     int end = min(begin + PART_SHARE, ray_count);
     if (begin >= end) return;
-    int aside = back_first - front_count;  // how far off the second run lies
+    int aside = capacity - ray_count;  // how far off the second run lies
     uint cloth = 0u;                       // a bit for each ray
     int place = begin;
     do {
