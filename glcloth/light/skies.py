@@ -57,7 +57,13 @@ def blackbody(kelvin: float) -> np.ndarray:
 SUN_RADIUS = np.radians(0.2665)  # mean angular radius; its solid angle is 6.8e-5 sr
 SUN_DIRECTION = np.array([-0.55, 0.70, 0.62]) / np.linalg.norm([-0.55, 0.70, 0.62])  # 40 degrees high, front left
 TURBIDITY = 2.8
-GROUND_ALBEDO = 0.18
+# The ground, as far as one sees it: pale sand and dry grass, of luminance 0.18 in the mean, from the height of a child's eye
+# where cloth is. Toward the horizon haze takes the colour of the sky there.
+GROUND_COLORS = np.array([[0.235, 0.206, 0.160], [0.152, 0.150, 0.106]])
+GROUND_LUMINANCE = 0.18
+EYE_HEIGHT = 1.2  # m
+PATCHES = 0.2, 0.55, 1.6, 5.0, 16.0, 60.0  # m, across
+HAZE = np.sin(np.radians(1.8))  # height below the horizon where it is 1 / e of what it is there
 # One unit of the map is 30 kcd/m^2: a white card lying in the sun then has a radiance of about 1.
 KILOCANDELA_PER_UNIT = 30.0
 
@@ -119,7 +125,7 @@ def sun_irradiance(sun: np.ndarray = SUN_DIRECTION, turbidity: float = TURBIDITY
 
 
 def sky() -> np.ndarray:
-    """A clear sky of turbidity 2.8 with the sun 40 degrees high at the front left, over grey ground."""
+    """A clear sky of turbidity 2.8 with the sun 40 degrees high at the front left, over sand and dry grass that fade into its haze."""
     omega = equirect.texel_directions(HEIGHT, WIDTH)
     up = omega[: HEIGHT // 2]
     radiance = np.empty((HEIGHT, WIDTH, 3))
@@ -127,9 +133,42 @@ def sky() -> np.ndarray:
     sun = sun_irradiance()
     weight = equirect.row_solid_angles(HEIGHT, WIDTH)[: HEIGHT // 2]
     horizontal = np.einsum("hwc,hw,h->c", radiance[: HEIGHT // 2], up[..., 1], weight) + sun * SUN_DIRECTION[1]
-    radiance[HEIGHT // 2 :] = GROUND_ALBEDO / np.pi * horizontal
+    down = omega[HEIGHT // 2 :]
+    left = np.exp(down[..., 1:2] / HAZE)  # of the haze
+    level = np.stack([down[..., 0], np.zeros(down.shape[:2]), down[..., 2]], -1)
+    haze = clear_sky(level / np.linalg.norm(level, axis=-1, keepdims=True))
+    radiance[HEIGHT // 2 :] = left * haze + (1.0 - left) * ground_albedo(down) / np.pi * horizontal
     radiance += _disc(SUN_DIRECTION, SUN_RADIUS)[..., None] * sun
     return (radiance / KILOCANDELA_PER_UNIT).astype(np.float32)
+
+
+def ground_albedo(omega: np.ndarray) -> np.ndarray:
+    """The colour [..., 3] of the ground toward omega [..., 3] below the horizon: patches of two colours, as far as texels of the map
+    can tell them apart."""
+    depth = np.maximum(-omega[..., 1], 1e-3)
+    place = EYE_HEIGHT / depth[..., None] * omega[..., [0, 2]]
+    texel = EYE_HEIGHT / depth**2 * np.pi / HEIGHT  # m, on the ground
+    patches = np.zeros(depth.shape)
+    for number, across in enumerate(PATCHES):
+        patches += np.clip(2.0 - 2.0 * texel / across, 0.0, 1.0) * (_noise(place / across, number) - 0.5)
+    share = np.clip(0.5 + 0.55 * patches, 0.0, 1.0)[..., None]
+    colors = GROUND_COLORS * (GROUND_LUMINANCE / luminance(GROUND_COLORS.mean(0)))
+    return share * colors[0] + (1.0 - share) * colors[1]
+
+
+def _noise(place: np.ndarray, seed: int) -> np.ndarray:
+    """Smooth random values 0 to 1 [...] at places [..., 2], one a unit square."""
+    low = np.floor(place).astype(np.int64)
+    x, y = np.moveaxis(place - low, -1, 0)
+    x, y = x * x * (3 - 2 * x), y * y * (3 - 2 * y)
+
+    def value(dx: int, dy: int) -> np.ndarray:
+        bits = (low[..., 0] + dx) * 374761393 + (low[..., 1] + dy) * 668265263 + seed * 974634517
+        bits = ((bits ^ (bits >> 13)) * 1274126177) & 0xFFFFFFFF
+        return ((bits ^ (bits >> 16)) & 0xFFFFFF) / 2.0**24
+
+    lower = (1 - x) * value(0, 0) + x * value(1, 0)
+    return (1 - y) * lower + y * ((1 - x) * value(0, 1) + x * value(1, 1))
 
 
 def _disc(axis: np.ndarray, radius: float, fine: int = 16) -> np.ndarray:

@@ -312,3 +312,16 @@ def test_real_maps_load(shared, warnings_said):
         assert e.radiance.shape == (512, 1024, 3) and np.all(e.mean > 0)
         _, solid_angle, cube = cube_map(e, 32)
         assert np.allclose(solid_angle @ cube, equirect.total(e.radiance), rtol=1e-9)
+
+
+def test_the_ground_of_the_sky_is_no_flat_grey_and_ends_in_haze():
+    sky = skies.sky()
+    ground = luminance(sky[skies.HEIGHT // 2 + 20 :])
+    near = ground[40:120]
+    assert 0.04 < near.std() / near.mean() < 0.3, "patches"
+    E = luminance(np.einsum("hwc,hw,h->c", sky[:256], equirect.texel_directions(512, 1024)[:256, :, 1],
+                            equirect.row_solid_angles(512, 1024)[:256]))  # fmt: skip
+    assert ground.mean() * np.pi / E == pytest.approx(skies.GROUND_LUMINANCE, rel=0.1)
+    rows = luminance(sky[250:280])
+    assert (np.abs(np.diff(rows, axis=0)) < 0.3 * rows[:-1]).all(), "no edge at the horizon"
+    assert rows[6].mean() > 1.7 * rows[-1].mean(), "haze is brighter"
