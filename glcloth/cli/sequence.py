@@ -35,6 +35,10 @@ def animate(
         bool | None, Parameter(help="Turn the camera once around the cloth; default: where nothing else moves.")
     ] = None,
     turn_env: Annotated[float, Parameter(help="Degrees by which the environment turns over the sequence.")] = 0.0,
+    aov: Annotated[
+        str | None,
+        Parameter(help="Layers for compositing in each .exr frame, as of render; curtain: depth to cryptomatte."),
+    ] = None,
     many: Many | None = None,
     options: SceneOptions | None = None,
     device: Device = None,
@@ -61,7 +65,9 @@ def animate(
     video = sequence.check_sequence(output, chosen.size)
     if video and start:
         raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
-    film = Film(chosen, str(output), frames, rate, wind, turntable, turn_env, device, start)
+    film = Film(
+        chosen, str(output), frames, rate, wind, turntable, turn_env, device, start, _layers(aov, chosen, output)
+    )
     begin = time.perf_counter()
     if many is not None and many.openjd is not None:
         from ..farm.openjd import film_template
@@ -84,6 +90,21 @@ def animate(
     tell(json, result, f"{output}: {done} frames, {seconds / max(done, 1):.2f} s each")
 
 
+def _layers(aov: str | None, scene: Scene, output: Path) -> tuple[str, ...]:
+    """The layers that were asked for. Raises InputError where there are none such, or no place for them."""
+    if aov is None:
+        return ()
+    from ..picture.curtain_layers import check_names
+    from ..picture.layers import chosen
+
+    if output.suffix.lower() != ".exr":
+        raise InputError(f"{output}: --aov writes layers, expected frames such as frames/%04d.exr")
+    names = chosen(aov)
+    if scene.curtain is not None:
+        check_names(names)
+    return names
+
+
 def _film_here(film: Film, start: int, video: bool) -> None:
     """Render a film in this process, its frames or a video."""
     from ..picture import sequence
@@ -94,7 +115,7 @@ def _film_here(film: Film, start: int, video: bool) -> None:
         renderer = stack.enter_context(Renderer(film.device))
         poses = film.poses(renderer, stack)
         pictures = sequence.pictures(
-            renderer, film.start, film.frames, start, poses, film.around, film.turn_env, film.first
+            renderer, film.start, film.frames, start, poses, film.around, film.turn_env, film.first, film.aovs
         )
         if video:
             written = sequence.write_video(pictures, Path(film.output), film.rate, *look)

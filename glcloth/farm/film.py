@@ -9,11 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from ..errors import InputError
 from ..geometry.mesh import Mesh
-from ..image import write_image
 from ..picture import sequence
 from ..picture.cloths import load_meshes
 from ..picture.renderer import Renderer
@@ -32,6 +29,7 @@ class Film:
     turntable : one turn of the camera around the cloth; None: where nothing else moves
     turn_env : degrees by which the environment turns over the sequence
     since : the first frame that is wanted; poses before it need not be there
+    aovs : layers of each frame
     """
 
     scene: Scene
@@ -43,6 +41,7 @@ class Film:
     turn_env: float = 0.0
     device: int | str | None = None
     since: int = 0
+    aovs: tuple[str, ...] = ()
 
     @functools.cached_property
     def files(self) -> dict[int, Path] | None:
@@ -92,7 +91,15 @@ class Film:
         it, so that a film of poses or of a curtain may grow."""
         turns = self.around or self.turn_env
         about = {"turntable": self.around, "turn_env": self.turn_env, "wind": self.wind, "rate": self.rate}
-        return about | ({"frames": self.frames} if turns else {}) | ({"first": self.first} if self.files else {})
+        return (
+            about
+            | ({"frames": self.frames} if turns else {})
+            | ({"first": self.first} if self.files else {})
+            | self._layers()
+        )
+
+    def _layers(self) -> dict[str, Any]:
+        return {"aovs": list(self.aovs)} if self.aovs else {}
 
     # -- a job of many processes -------------------------------------------------------------------------------------
 
@@ -100,19 +107,19 @@ class Film:
         """Where a frame is written."""
         return sequence.frame_name(self.output, number)
 
-    def pictures(self, numbers: Iterable[int]) -> Iterator[np.ndarray]:
+    def pictures(self, numbers: Iterable[int]) -> Iterator[Any]:
         """Yield the pictures of some frames, their numbers ascending: to the bit those of the whole sequence."""
         with ExitStack() as stack:
             renderer = stack.enter_context(Renderer(self.device))
             poses = self.poses(renderer, stack)
             yield from sequence.chosen(
-                renderer, self.start, self.frames, numbers, poses, self.around, self.turn_env, self.first
+                renderer, self.start, self.frames, numbers, poses, self.around, self.turn_env, self.first, self.aovs
             )
 
-    def write(self, number: int, picture: np.ndarray) -> dict:
+    def write(self, number: int, picture: Any) -> dict:
         """Write a frame, whole or not at all."""
-        look = {"exposure": self.scene.exposure, "view_transform": self.scene.transform}
-        write_image(self.file(number), picture, self.header(number), **look)
+        look = self.scene.exposure, self.scene.transform
+        sequence.write_picture(self.file(number), picture, self.header(number), *look)
         return {"number": number, "file": str(self.file(number))}
 
 

@@ -29,6 +29,7 @@ def film_template(film: Film) -> dict:
     words = ["--frames", film.frames, "--start", film.since, "--rate", film.rate, "--turn-env", film.turn_env]
     words += [] if film.wind is None else ["--wind", film.wind]
     words += ["--turntable" if film.around else "--no-turntable", *_device(film.device)]
+    words += ["--aov", ",".join(film.aovs)] if film.aovs else []
     pattern = Path(film.output)
     command = f'animate "$1" {_shell(words)} --only "$3" -o "$2"/{_shell([pattern.name])}'
     tasks = _tasks("Frames", f"{film.since}-{film.frames - 1}", command)

@@ -125,7 +125,7 @@ def sun_irradiance(sun: np.ndarray = SUN_DIRECTION, turbidity: float = TURBIDITY
 
 
 def sky() -> np.ndarray:
-    """A clear sky of turbidity 2.8 with the sun 40 degrees high at the front left, over sand and dry grass that fade into its haze."""
+    """A clear sky of turbidity 2.8 with the sun 40 degrees high at the front left; sand and dry grass fade into its haze."""
     omega = equirect.texel_directions(HEIGHT, WIDTH)
     up = omega[: HEIGHT // 2]
     radiance = np.empty((HEIGHT, WIDTH, 3))
@@ -143,8 +143,8 @@ def sky() -> np.ndarray:
 
 
 def ground_albedo(omega: np.ndarray) -> np.ndarray:
-    """The colour [..., 3] of the ground toward omega [..., 3] below the horizon: patches of two colours, as far as texels of the map
-    can tell them apart."""
+    """The colour [..., 3] of the ground toward omega [..., 3] below the horizon: patches of two colours, as far as texels
+    of the map can tell them apart."""
     depth = np.maximum(-omega[..., 1], 1e-3)
     place = EYE_HEIGHT / depth[..., None] * omega[..., [0, 2]]
     texel = EYE_HEIGHT / depth**2 * np.pi / HEIGHT  # m, on the ground

@@ -127,12 +127,14 @@ class Renderer:
         scene = Scene() if scene is None else load_scene(scene)
         names = chosen(aovs)
         if scene.curtain is not None:
-            if names:
-                raise InputError("aovs: layers are of cloth under an environment; the curtain has its picture alone")
+            from .curtain_layers import check_names, curtain_layers  # cloth starts without it
+
+            check_names(names)
             show = self.show(scene, **changes)
             picture = show.picture()
             check_errors(self.ctx, "curtain")
-            return as_picture(picture, show.scene)
+            picture = as_picture(picture, show.scene)
+            return curtain_layers(show, names, picture) if names else picture
         frame = self.prepare(scene, **changes)
         return self.render_layers(frame, names) if names else as_picture(self.render_frame(frame), frame.scene)
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import functools
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from ..light.environment import rotation_y
 from ..progress import drain
 from ..scene import Scene
 from .frame import Frame
+from .layers import Layers
 from .renderer import Renderer
 
 VIDEO = (".mp4",)
@@ -43,13 +45,15 @@ def pictures(
     turntable: bool = False,
     turn_env: float = 0.0,
     first: int = 0,
-) -> Iterator[np.ndarray]:
-    """Yield the pictures `start` to `count` - 1 of a scene: the curtain in its wind, or cloth as `moving` has it."""
+    aovs: Sequence[str] = (),
+) -> Iterator[Any]:
+    """Yield the pictures `start` to `count` - 1 of a scene: the curtain in its wind, or cloth as `moving` has it; with `aovs`
+    their layers, as `Renderer.render` has them."""
     if scene.curtain is None:
-        yield from moving(renderer, renderer.prepare(scene), count, start, poses, turntable, turn_env, first)
+        yield from moving(renderer, renderer.prepare(scene), count, start, poses, turntable, turn_env, first, aovs)
     else:
         for number in range(start, count):
-            yield renderer.render(scene.changed(frame=number))
+            yield renderer.render(scene.changed(frame=number), aovs=aovs)
 
 
 def moving(
@@ -61,7 +65,8 @@ def moving(
     turntable: bool = False,
     turn_env: float = 0.0,
     first: int = 0,
-) -> Iterator[np.ndarray]:
+    aovs: Sequence[str] = (),
+) -> Iterator[Any]:
     """Yield the pictures `start` to `count` - 1 of a sequence; `frame` holds all that does not change.
 
     Parameters
@@ -70,6 +75,7 @@ def moving(
     turntable : one turn of the camera around the cloth
     turn_env : degrees by which the environment turns; frame `count` would have turned by all of them
     first : the first pose that there is
+    aovs : as of `pictures`
 
     Vertices keep visibility from four poses: a sequence that begins at `start` traces the poses before it, too. The
     bits are as in the whole sequence but for where rays start, which the first traced pose decides.
@@ -81,7 +87,7 @@ def moving(
     for i in range(max(first, (start // POSES - 1) * POSES) if poses is not None else start, start):
         drain(renderer.trace_visibility(at(i)))
     for i in range(start, count):
-        yield renderer.render_frame(at(i))
+        yield renderer.render_layers(at(i), aovs) if aovs else renderer.render_frame(at(i))
 
 
 def chosen(
@@ -93,14 +99,15 @@ def chosen(
     turntable: bool = False,
     turn_env: float = 0.0,
     first: int = 0,
-) -> Iterator[np.ndarray]:
+    aovs: Sequence[str] = (),
+) -> Iterator[Any]:
     """Yield the pictures of some frames of a sequence of `count`, their numbers ascending; parameters as for `moving`.
 
     They have the bits of the whole sequence: of cloth that moves, all poses before a frame are traced.
     """
     if scene.curtain is not None:
         for number in numbers:
-            yield renderer.render(scene.changed(frame=number))
+            yield renderer.render(scene.changed(frame=number), aovs=aovs)
         return
     at = functools.partial(_frame_at, renderer, renderer.prepare(scene), count, poses, turntable, turn_env)
     renderer.follow_poses(poses is not None)
@@ -109,7 +116,7 @@ def chosen(
         for i in range(traced, number) if poses is not None else ():
             drain(renderer.trace_visibility(at(i)))
         traced = number + 1
-        yield renderer.render_frame(at(number))
+        yield renderer.render_layers(at(number), aovs) if aovs else renderer.render_frame(at(number))
 
 
 def _frame_at(
@@ -191,7 +198,7 @@ def check_sequence(output: Path, size: tuple[int, int]) -> bool:
 
 
 def write_frames(
-    pictures: Iterable[np.ndarray],
+    pictures: Iterable[Any],
     pattern: str,
     start: int,
     settings: dict | Callable[[int], dict],
@@ -203,8 +210,15 @@ def write_frames(
     for number, picture in enumerate(pictures, start):
         path = frame_name(pattern, number)
         header = settings(number) if callable(settings) else settings
-        write_image(path, picture, {**header, "frame": number}, exposure=exposure, view_transform=transform)
+        write_picture(path, picture, {**header, "frame": number}, exposure, transform)
         yield path
+
+
+def write_picture(path: Path, picture: Any, settings: dict, exposure: float, transform: Transform) -> None:
+    """Write a picture, or the picture of Layers with these."""
+    layers = picture if isinstance(picture, Layers) else None
+    shown = picture if layers is None else layers["beauty"]
+    write_image(path, shown, settings, exposure=exposure, view_transform=transform, layers=layers)
 
 
 def write_video(pictures: Iterable[np.ndarray], path: Path, rate: int, exposure: float, transform: Transform):

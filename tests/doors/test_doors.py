@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
 import pytest
 
 from glcloth import cli
@@ -326,6 +327,10 @@ def test_animate_writes_whole_frames_and_resumes(tmp_path, capsys):
     (pattern.parent / "002.exr").unlink()
     assert run("animate", "-o", pattern, *QUICK, "--frames", "3", "--start", "2") == 0
     assert np.array_equal(read_image(pattern.parent / "002.exr"), last)
+    layered = tmp_path / "l%d.exr"
+    assert run("animate", "-o", layered, *QUICK, "--frames", "1", "--aov", "depth,mask") == 0
+    assert {"Z", "mask.A", "R"} <= set(OpenEXR.File(str(tmp_path / "l0.exr"), separate_channels=True).channels())
+    assert "expected frames" in fails(capsys, "animate", "-o", tmp_path / "%d.png", *QUICK, "--aov", "depth")
     assert "%04d" in fails(capsys, "animate", "-o", tmp_path / "a.png", *QUICK)
     assert "start" in fails(capsys, "animate", "-o", pattern, *QUICK, "--frames", "3", "--start", "3")
 

@@ -6,7 +6,7 @@ import pytest
 
 from glcloth.accel.queries import RayQueries
 from glcloth.bench.curtain import bench_curtain
-from glcloth.curtain.show import CurtainShow
+from glcloth.curtain.show import CurtainShow, camera_of
 from glcloth.errors import InputError
 from glcloth.scene import CurtainParameters, Scene
 
@@ -97,3 +97,27 @@ def test_wrong_input(ctx):
         CurtainShow(ctx, SMALL, triangles=100)
     with pytest.raises(InputError, match="frames"):
         bench_curtain(ctx, SMALL, frames=0)
+
+
+def test_layers_of_the_curtain_are_what_its_rays_meet(renderer):
+    scene = SMALL.changed(size=(40, 30), spp=2)
+    wanted = "depth,normal,position,uv,mask,cryptomatte"
+    layers = renderer.render(scene, aovs=wanted)
+    assert np.array_equal(layers["beauty"], renderer.render(scene)), "they change nothing"
+    camera, cloth = camera_of(scene), layers["mask"] == 1.0
+    assert 0.1 < cloth.mean() < 0.9
+    length = np.linalg.norm(layers["normal"][cloth], axis=-1)  # of the mean of two samples
+    assert np.median(length) > 0.99 and length.max() < 1.0 + 1e-5
+    # The curtain is 2.3 m long and hangs from 2.41 m; its hem is at v = 0.
+    height, v = layers["position"][..., 1][cloth], layers["uv"][..., 1][cloth]
+    np.testing.assert_allclose(height - 0.11, v, atol=0.08)
+    x, u = layers["position"][..., 0][cloth], layers["uv"][..., 0][cloth]
+    np.testing.assert_allclose((x + 1.25) * 1.8, u, atol=0.4)
+    # Seen from the eye the place of the first sample, at the pixel's centre or near it, has the depth.
+    along = (layers["position"] - camera.eye) @ camera.axes[2]
+    assert np.median(np.abs(along - layers["depth"])[cloth]) < 0.02
+    pairs = layers["CryptoObject"].reshape(30, 40, -1, 2)
+    np.testing.assert_allclose(pairs[..., 1].sum(-1)[layers["depth"] < 1e9], 1.0, atol=1e-6)
+    assert "curtain" in layers.names["CryptoObject"] and len(layers.names["CryptoObject"]) > 2
+    with pytest.raises(InputError, match="aov bounce: not of the curtain, which has depth,normal"):
+        renderer.render(scene, aovs="bounce")

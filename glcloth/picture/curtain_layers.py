@@ -1,0 +1,113 @@
+"""Layers for compositing of the curtain: what the camera's rays meet first.   [own]
+
+They are of geometry alone. Light of the curtain is traced in one sum, and what shines through its holes has no depth of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..accel.queries import RayQueries
+from ..cryptomatte import ranked
+from ..curtain.show import CLOTH, CurtainShow, camera_of
+from ..errors import InputError
+from ..geometry.camera import Camera, lens_samples, sample_offsets
+from ..twins.octahedron import from_octahedral
+from .layers import CHANNELS, CRYPTOMATTE, FAR, Layers
+
+OF_CURTAIN = ("depth", "normal", "position", "uv", "mask", "cryptomatte")
+
+
+def check_names(names: Sequence[str]) -> None:
+    """Raise InputError for layers that the curtain has not."""
+    if wrong := [name for name in names if name not in OF_CURTAIN]:
+        raise InputError(f"aov {wrong[0]}: not of the curtain, which has {','.join(OF_CURTAIN)}; leave it out")
+
+
+def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray) -> Layers:
+    """The layers of a picture of the curtain as it hangs, with the samples of its scene."""
+    scene, camera = show.scene, camera_of(show.scene)
+    width, height = scene.size
+    soup = _Soup(show)
+    queries = RayQueries(show.ctx)
+    sums = {name: np.zeros((height * width, len(CHANNELS[name]))) for name in names if name in CHANNELS}
+    coverage = {layer: np.zeros((height * width, len(soup.names))) for layer in CRYPTOMATTE}
+    cameras = lens_samples(camera, scene.spp)
+    for number, (offset, one) in enumerate(zip(sample_offsets(scene.spp), cameras, strict=True)):
+        origins, ways = _rays(one, scene.size, offset)
+        hits = queries.closest_hit(show.tracer.structure(scene.accelerator), origins, ways)
+        met = hits.triangle >= 0
+        x = origins[met] + hits.t[met, None] * ways[met]
+        if "depth" in sums and number == 0:  # that of the pixel's centre: distances of two things have no mean
+            sums["depth"][:] = FAR
+            sums["depth"][met, 0] = (x - one.eye) @ one.axes[2]
+        for name in sums.keys() - {"depth"}:
+            sums[name][met] += soup.values(name, hits.triangle[met], hits.weights[met], x, ways[met]) / scene.spp
+        for cover in coverage.values():
+            cover[np.flatnonzero(met), soup.thing[hits.triangle[met]]] += 1.0 / scene.spp
+    out = Layers()
+    out["beauty"] = picture
+    for name in names:
+        if name in sums:
+            array = sums[name].astype(np.float32).reshape(height, width, -1)
+            out[name] = array[..., 0] if array.shape[-1] == 1 else array
+            continue
+        for layer, cover in coverage.items():
+            used = np.flatnonzero(cover.any(0))
+            out.names[layer] = [soup.names[n] for n in used]
+            out[layer] = ranked(cover[:, used].reshape(height, width, -1), out.names[layer])
+    return out
+
+
+def _rays(camera: Camera, size: tuple[int, int], offset: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
+    """Origins and directions [H W, 3] through the pixels, the top row first; a direction is 1 along the view."""
+    width, height = size
+    y, x = np.mgrid[0:height, 0:width]
+    pixels = np.stack([x + 0.5, height - 0.5 - y, np.ones(x.shape)], -1).reshape(-1, 3)
+    pixels[:, :2] += offset
+    return pixels @ camera.origin_from_pixel(size).T, pixels @ camera.ray_from_pixel(size).T
+
+
+class _Soup:
+    """The triangles of the room and of the curtain, as hits look them up."""
+
+    def __init__(self, show: CurtainShow):
+        show.build()
+        room, self.first, self._show = show.room, len(show.room.positions), show
+        packed = np.frombuffer(show.triangles.corners.read(48 * show.triangles.count), np.uint32).reshape(-1, 3, 4)[
+            ..., 3
+        ]
+        low, high = (packed & 0xFFFF).astype(np.uint16).view(np.int16), (packed >> 16).astype(np.uint16).view(np.int16)
+        self._normals = from_octahedral(np.stack([low, high], -1) / 32767.0)
+        self.names = ["curtain", *room.names]
+        self.thing = np.zeros(show.triangles.count, int)
+        self.thing[: self.first] = room.material + CLOTH + 1
+
+    def values(
+        self, name: str, triangles: np.ndarray, weights: np.ndarray, x: np.ndarray, ways: np.ndarray
+    ) -> np.ndarray:
+        """A layer at hits [N]: [N, n]."""
+        cloth = triangles >= self.first
+        w = np.concatenate([1.0 - weights.sum(1, keepdims=True), weights], 1)[..., None]
+        if name == "position":
+            return x
+        if name == "mask":
+            return cloth[:, None].astype(float)
+        if name == "normal":
+            N = (self._normals[triangles] * w).sum(1)
+            N /= np.maximum(np.linalg.norm(N, axis=1, keepdims=True), 1e-12)
+            return np.where((N * ways).sum(1, keepdims=True) > 0.0, -N, N)
+        return np.where(cloth[:, None], (self._uv(np.maximum(triangles - self.first, 0)) * w).sum(1), 0.0)
+
+    def _uv(self, triangles: np.ndarray) -> np.ndarray:
+        """UVs [N, 3, 2] of the corners of cloth, in metres as it lies flat: passes/accel/gather_grid.comp has their order."""
+        simulation = self._show.simulation
+        rows, columns, parameters = simulation.rows, simulation.columns, simulation.parameters
+        quad, second = np.divmod(triangles, 2)
+        row, column = np.divmod(quad, columns - 1)
+        places = np.array([[[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 0], [1, 1]]])[second]  # row, column of each corner
+        u = (column[:, None] + places[..., 1]) / (columns - 1) * parameters.width * parameters.fullness
+        v = (1.0 - (row[:, None] + places[..., 0]) / (rows - 1)) * parameters.drop
+        return np.stack([u, v], -1)
