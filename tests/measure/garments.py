@@ -11,24 +11,26 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
+from scipy.interpolate import PchipInterpolator
 
 # Radii of the body (x, z) at heights, cm, a little outside the dress form.
-HEIGHTS = np.array([60.0, 75.0, 90.0, 100.0, 107.0, 115.0, 127.0, 135.0, 141.0])
-ACROSS = np.array([17.0, 18.6, 18.9, 16.4, 13.6, 13.2, 15.6, 15.2, 13.6])
-DEEP = np.array([12.6, 14.0, 14.3, 12.6, 11.6, 11.6, 13.6, 11.6, 7.6])
+HEIGHTS = np.array([60.0, 75.0, 90.0, 100.0, 107.0, 115.0, 127.0, 135.0, 139.0, 142.5, 145.0, 149.0])
+ACROSS = np.array([17.0, 18.6, 18.9, 16.4, 13.6, 13.2, 15.6, 16.6, 17.2, 15.0, 9.0, 6.0])
+DEEP = np.array([12.6, 14.0, 14.3, 12.6, 11.6, 11.6, 13.6, 11.6, 9.0, 7.4, 6.6, 5.8])
 
 
 def body(height):
     """Half axes (x, z) of a ring about the body at heights, cm."""
-    return np.interp(height, HEIGHTS, ACROSS), np.interp(height, HEIGHTS, DEEP)
+    return PchipInterpolator(HEIGHTS, ACROSS)(height), PchipInterpolator(HEIGHTS, DEEP)(height)
 
 
-def tube(low, high, ease=0.0, flare=0.0, folds=(0, 0.0), open_front=0.0, rows=40, columns=240):
+def tube(low, high, ease=0.0, flare=0.0, folds=(0, 0.0), open_front=0.0, rows=40, columns=240, part=(0.0, 1.0)):
     """A ring of cloth from a height to another: (points, UVs), [rows, columns, 3] and [..., 2].
 
-    `ease`: cm off the body; `flare`: cm more at the lower edge; `folds`: how many, and cm deep there; `open_front`: radians.
+    `ease`: cm off the body; `flare`: cm more at the lower edge; `folds`: how many, and cm deep there; `open_front`: radians;
+    `part`: from where to where of its length it is there.
     """
-    t = np.linspace(0.0, 1.0, rows)[:, None]  # from above
+    t = np.linspace(*part, rows)[:, None]  # from above
     angle = np.linspace(0.5 * open_front, 2.0 * np.pi - 0.5 * open_front, columns)[None]
     height = high + (low - high) * t
     x, z = body(height)
@@ -45,9 +47,10 @@ def arm(side, length, radius=5.2, ease=0.0, begin=0.0, rows=40, columns=90):
     t = np.linspace(begin, 1.0, rows)[:, None]
     angle = np.linspace(0.0, 2.0 * np.pi, columns)[None]
     r = radius + ease + 0.35 * np.sin(22.0 * t + 1.5 * np.sin(angle)) * np.sin(np.pi * t) + 1.5 * (1.0 - t) ** 4
+    r = r * np.sqrt(1.0 - np.clip(1.0 - t / 0.13, 0.0, 1.0) ** 2)  # a round head at the shoulder
     along = np.array([0.30 * side, -0.955, 0.0])
     x_axis, z_axis = np.array([0.955, 0.30 * side, 0.0]), np.array([0.0, 0.0, 1.0])
-    start = np.array([16.0 * side, 137.0, -1.0])
+    start = np.array([14.5 * side, 144.5, -1.0])
     points = start + length * t[..., None] * along
     points = points + (r * np.cos(angle))[..., None] * x_axis + (r * np.sin(angle))[..., None] * z_axis
     around = np.broadcast_to(0.01 * radius * angle, (rows, columns))
@@ -83,7 +86,7 @@ def dress():
         "Bodice": [tube(109.0, 138.0, 0.7)],
         "Belt": [tube(104.6, 109.4, 1.6, rows=12)],
         "Skirt": [tube(58.0, 106.0, 1.0, 17.0, (11, 2.4), rows=70, columns=420)],
-        "Hem": [tube(50.0, 60.0, 17.6, 3.4, (11, 2.4), rows=14, columns=420)],
+        "Hem": [tube(58.0, 106.0, 0.2, 17.0, (11, 2.4), rows=22, columns=420, part=(0.9, 1.14))],  # under the skirt
         "Straps": straps,
     }
 
@@ -91,13 +94,13 @@ def dress():
 def coat():
     """Body, sleeves, cuffs, collar, lining and belt."""
     front = 0.5
-    x, z = tube(62.0, 139.0, 2.6, 7.0, (5, 1.3), front, 90, 320), tube(62.5, 138.5, 1.9, 6.8, (5, 1.3), front, 90, 320)
+    x, z = tube(62.0, 146.0, 2.6, 7.0, (5, 1.3), front, 110, 320), tube(62.5, 145.5, 1.9, 6.8, (5, 1.3), front, 110, 320)
     return {
         "Shell": [x],
         "Lining": [z],
-        "Sleeves": [arm(side, 50.0, 5.6) for side in (-1, 1)],
-        "Cuffs": [arm(side, 50.0, 5.6, 0.6, 0.84, 12) for side in (-1, 1)],
-        "Collar": [tube(135.0, 143.0, 2.8, -0.4, (0, 0.0), front, 16)],
+        "Sleeves": [arm(side, 56.0, 5.9, rows=70) for side in (-1, 1)],
+        "Cuffs": [arm(side, 56.0, 5.9, 0.6, 0.86, 12) for side in (-1, 1)],
+        "Collar": [tube(142.5, 149.0, 3.4, 1.6, (0, 0.0), front, 16)],
         "Belt": [tube(103.5, 108.5, 6.6, 0.0, (0, 0.0), 0.0, 10)],
     }
 
@@ -120,6 +123,13 @@ COMMANDS = (
 )
 
 
+# Framed whole, with smooth edges; before a photographed environment (--env FILE) the ground shows its shadow alone.
+QUALITY = "--spp 4 --size 480x640 --view-transform neutral"
+LOOK = f"--object form --ground catcher --eye 1.3,1.25,3.1 --target 0,0.81,0 --fov 30 {QUALITY}"
+STUDIO = "--object backdrop@0,0,0,1,21 --ground 0 --ground-color 0.38,0.39,0.41 --env-rotate 25"
+SKIRT = f"--object form@0,-0.876,0.01 --ground catcher --eye 1.3,0.4,3.1 --target 0,-0.07,0 --fov 30 {QUALITY}"
+
+
 def main(folder):
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
@@ -128,7 +138,9 @@ def main(folder):
     prints(folder)
     for command in COMMANDS:
         name = command.split(".")[0]
-        print(f"glcloth render -o {name}.png --mesh {command} --units cm --object form --ground --size 480x600")
+        print(f"glcloth render -o {name}.png --mesh {command} --units cm {LOOK}")
+        print(f"glcloth render -o {name}_studio.png --mesh {command} --units cm {LOOK} {STUDIO}")
+    print(f"glcloth render -o skirt_mh.png --mesh skirt_mh.obj --units dm --fabric tartan {SKIRT}")
 
 
 if __name__ == "__main__":
