@@ -21,11 +21,12 @@ from .obj import read_obj
 from .pieces import SAMPLES, load_piece
 from .ply import read_ply
 from .raw import MOST_BYTES, Material, RawMesh
+from .spline import surface_mesh
 from .stl_off import read_off, read_stl
 from .supports import backdrop, form, pedestal, together
 
 MESHES = PACKAGE / "meshes"
-BUILTIN_MESHES = ("drape", *SAMPLES, "sphere", "plane", "cylinder")
+BUILTIN_MESHES = ("drape", "drape_smooth", *SAMPLES, "sphere", "plane", "cylinder")
 SUPPORTS = {"form": form, "pedestal": pedestal, "backdrop": backdrop}
 BUILTIN_SOLIDS = ("stand", *SUPPORTS)  # objects only
 MESH_SUFFIXES = (".obj", ".ply", ".glb", ".gltf", ".stl", ".off")
@@ -36,6 +37,9 @@ GREY = 0.5  # reflectance of an object whose file gives no colour
 TABLE = (0.0, -0.35, -0.6), (1.2, 0.35, 0.65), 0.03
 BALL = (-0.04, 0.15, -0.16), 0.19
 PLINTH = -1.208  # its lower end: under the hem
+# The built-in cloth is a grid of so many vertices a side, m wide; a spline over them, sampled more finely, has no dashes along
+# its creases.
+DRAPE_GRID, DRAPE_SIDE, DRAPE_SMOOTH = 150, 1.6, 236
 
 
 def load_mesh(name_or_path: str | Path) -> Mesh:
@@ -150,6 +154,9 @@ def _builtin_with_colors(name: str) -> _Loaded:
 def _builtin(name: str) -> Mesh:
     if name == "drape":
         return assembled(read_mesh(MESHES / "drape.ply"), name, name)[0]
+    if name == "drape_smooth":
+        vertices = read_mesh(MESHES / "drape.ply").positions.reshape(DRAPE_GRID, DRAPE_GRID, 3)
+        return surface_mesh(name, vertices, (DRAPE_SIDE, DRAPE_SIDE), DRAPE_SMOOTH, DRAPE_SMOOTH)
     if name in SAMPLES:
         return load_piece(name, MESHES)
     positions, triangles, uv, normals = getattr(shapes, name)()
