@@ -201,6 +201,8 @@ def parts(app, folder):
 
 def picks(app):
     """Clicks on the parts and beside them: which part is edited after each; and which part a fabric goes to."""
+    for line in list(app.messages.lines):  # in so small a window they lie over the picture
+        app.messages.close(line)
     settle(app)
     left, bottom, width, height = app.layout.rectangle()
     top = int(imgui.get_io().display_size.y) - bottom - height
