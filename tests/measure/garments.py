@@ -123,7 +123,8 @@ COMMANDS = (
 )
 
 
-# Framed whole, with smooth edges; before a photographed environment (--env FILE) the ground shows its shadow alone.
+# Framed whole, with smooth edges; before a photographed environment (--env FILE, a bright one with --exposure -1) the ground
+# shows its shadow alone.
 QUALITY = "--spp 4 --size 480x640 --view-transform neutral"
 LOOK = f"--object form --ground catcher --eye 1.3,1.25,3.1 --target 0,0.81,0 --fov 30 {QUALITY}"
 STUDIO = "--object backdrop@0,0,0,1,21 --ground 0 --ground-color 0.38,0.39,0.41 --env-rotate 25"
