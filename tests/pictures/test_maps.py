@@ -128,11 +128,13 @@ def test_codes_are_srgb_unless_they_are_said_to_be_linear(renderer, tmp_path):
         np.testing.assert_allclose(yarn.albedo, expected * load_fabric("linen").yarn[0].albedo, rtol=1e-5)
 
 
-def test_paper_says_that_it_shows_the_mean(renderer, tmp_path, capsys):
-    look = {"mesh": "sphere", "size": (8, 8), "shadows": "off", "grid": 8, "method": "paper"}
-    renderer.render(print=inks(tmp_path), **look)
-    said = [line for line in capsys.readouterr().err.splitlines() if "print" in line]
-    assert len(said) == 1 and "paper" in said[0] and "mean" in said[0]
+def test_paper_shows_a_print_too(renderer, tmp_path, capsys):
+    look = {"mesh": board(), "camera": FRONT, "size": (8, 8), "shadows": "off", "grid": 8, "method": "paper"}
+    linen = load_fabric("linen")
+    dyed = linen.changed(yarn=tuple(y.changed(albedo=tuple(np.array(INK) * y.albedo)) for y in linen.yarn))
+    printed = renderer.render(print=inks(tmp_path), fabric=linen, **look)
+    np.testing.assert_allclose(printed, renderer.render(fabric=dyed, **look), rtol=2e-3)
+    assert "print" not in capsys.readouterr().err
 
 
 def test_light_through_sheer_cloth_is_tinted_and_bare_cloth_shines_through(renderer, tmp_path):
