@@ -293,7 +293,9 @@ class PhotonMap:
             return
         self._nodes, self._node_count = (across, down), 2 * across * down
         width, height = self._size
-        y, x = (a.ravel() for a in np.meshgrid(-np.linspace(0, height, down), np.linspace(0, width, across), indexing="ij"))
+        y, x = (
+            a.ravel() for a in np.meshgrid(-np.linspace(0, height, down), np.linspace(0, width, across), indexing="ij")
+        )
         data = np.zeros((2, len(x), TEXELS, 4), np.uint32)
         for side, sign in enumerate((1.0, -1.0)):
             place = np.stack([x, y, np.full_like(x, sign * self._far)], 1)
@@ -314,6 +316,18 @@ class PhotonMap:
         data = np.frombuffer(raw, np.float32).reshape(-1, 2, 4)
         places = np.frombuffer(raw, np.uint32).reshape(-1, 2, 4)[:, 1, 3]
         return data[:, 0, :3].copy(), data[:, 1, :3].copy(), places.astype(int)
+
+    def in_room(self) -> np.ndarray:
+        """Where the photons are that lie in the room, not on the cloth: [N, 3] float32."""
+        x, _, place = self.photons()
+        return x[place < 2 * len(self.room.positions)]
+
+    def room_tree(self) -> dict[str, np.ndarray]:
+        """The nodes of the tree in which photons of the room lie: axis, count, depth, low and high, as `arrays` has them."""
+        tree = self.tree.arrays()
+        low, high = self._box
+        inside = ((tree["low"] <= high + 1e-3) & (tree["high"] >= low - 1e-3)).all(1)
+        return {name: tree[name][inside] for name in ("axis", "count", "depth", "low", "high")}
 
     def _flat(self) -> dict[str, Any]:
         """The inputs of inputs/tracing/flat_cloth.glsl."""

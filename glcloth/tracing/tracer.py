@@ -120,8 +120,9 @@ class Tracer:
         width, height = shot.size
         begin = time.perf_counter()
         steps = self.steps(shot)
-        total = len(list(_tiles(width, height, self._tile_pixels))) * len(shot.samples)
-        for _ in track(steps, "trace: samples of tiles", total) if total > 1 else steps:
+        total = len(list(_tiles(width, height, self._tile_pixels))) * len(shot.samples) + (shot.renewed is not None)
+        # Light that is found anew takes steps of its own.
+        for _ in track(steps, "trace: samples of tiles", None if shot.renewed else total) if total > 1 else steps:
             pass
         picture = np.frombuffer(self.picture.read(16 * width * height), np.float32).reshape(height, width, 4)
         self.statistics.total_ms = 1000 * (time.perf_counter() - begin)

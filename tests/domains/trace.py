@@ -80,7 +80,13 @@ def edges_about(rng, count):
     h = np.where(rng.random(count) < 0.1, 0.02, rng.uniform(-1.5, 1.5, count))
     x = rng.uniform(-2, 2, (count, 2))
     ends = [p + h[:, None] * v + x[:, k, None] * u + (k * 0.1) * u for k in (0, 1)]
-    return {"p": p, "a": ends[0], "b": ends[1] + 0.1 * np.sign(x[:, 1:] - x[:, :1]) * u, "n": n, "r": rng.uniform(0.3, 1, count)}
+    return {
+        "p": p,
+        "a": ends[0],
+        "b": ends[1] + 0.1 * np.sign(x[:, 1:] - x[:, :1]) * u,
+        "n": n,
+        "r": rng.uniform(0.3, 1, count),
+    }
 
 
 DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}

@@ -16,7 +16,6 @@ import radiosity
 
 from glcloth.curtain.photons import Photons
 from glcloth.curtain.show import CurtainShow
-from glcloth.gpu.buffers import TextureBuffer
 from glcloth.scene import CurtainParameters, Scene
 
 
