@@ -53,8 +53,8 @@ class Photons:
     count : how many begin for each sample of the pixels. neighbours : so many nearest ones make an estimate in the first
     """
 
-    count: int = 200_000
-    neighbours: int = 400
+    count: int = 400_000
+    neighbours: int = 800
 
     def shrunk(self, sample: int) -> float:
         """The share of the first sample's neighbours that a sample takes."""
@@ -197,10 +197,7 @@ class PhotonMap:
         structure : built of the room and the cloth as it hangs now; of those that find a hit in one dispatch
         keep_lamp : take the lamp's own light too, which a tracer adds itself
         """
-        found = self.emission(shot)
-        yield from self._trace(inputs, structure, found, photons.count, sample, keep_lamp)
-        for _ in self.tree.sort(self._photons, self.arrived, self._scale):
-            yield {}
+        yield from self.arrive(shot, inputs, structure, photons.count, sample, keep_lamp)
         neighbours, shrunk = photons.neighbours_of(sample), photons.shrunk(sample)
         gathered = self.gather(self.tree.sorted_points, self.arrived, neighbours, shrunk)
         # A hit's disc holds INTERPOLATED of them where they are half as dense as in the mean.
@@ -213,6 +210,20 @@ class PhotonMap:
         for _ in self._gathered_tree.sort(self._gathered, gathered, self._scale):
             yield {}
         yield self.inputs()
+
+    def arrive(
+        self,
+        shot: Shot,
+        inputs: Mapping[str, Any],
+        structure: Structure,
+        count: int,
+        sample: int = 0,
+        keep_lamp: bool = False,
+    ) -> Iterator[dict[str, Any]]:
+        """Trace so many photons, and build the tree of where they arrive, in steps; parameters as for `steps`."""
+        yield from self._trace(inputs, structure, self.emission(shot), count, sample, keep_lamp)
+        for _ in self.tree.sort(self._photons, self.arrived, self._scale):
+            yield {}
 
     def _trace(
         self, inputs: Mapping[str, Any], structure: Structure, light: Emission, count: int, sample: int, keep_lamp: bool

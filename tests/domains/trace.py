@@ -61,6 +61,12 @@ def angles(rng, count):
     return both | {"l": np.linalg.norm(np.cross(both["a"], both["b"]), axis=1)}
 
 
+def numbered(rng, count):
+    """A number below another one."""
+    of = rng.choice([1, 1000, 2**20], count)
+    return {"i": (rng.random(count) * of).astype(int), "count": of}
+
+
 def ways(rng, count):
     """From points of a surface to others, some nearly on it, with a normal."""
     n = directions(rng, count)
@@ -95,8 +101,6 @@ DOMAINS |= {
     for name in ("roughness", "roughness_p", "eta_1", "eta_2", "rho", "k_a", "k_t", "diffuse", "tau")
 }
 SPECIAL = {
-    ("shifted_hammersley", "i"): lambda rng, count: rng.integers(0, 2**20, count),
-    ("shifted_hammersley", "count"): choice(1, 1000, 2**20),
     ("shifted_hammersley", "shift"): lambda rng, count: rng.random((count, 2)),
     ("disc_kernel", "d2"): between(0.0, 2.0),
     ("disc_kernel", "r2"): between(0.1, 2.0),
@@ -209,6 +213,7 @@ JOINT = {
     "horizon_point": across_horizon,
     "clipped_edge_factor": seen_quads("abn"),
     "quad_factor": seen_quads("abcdn"),
+    "shifted_hammersley": numbered,
     "disc_distance": ways,
     "cut_share": edges_about,
 }

@@ -125,8 +125,12 @@ def test_nearest_are_those_of_brute_force(ctx, lit):
         np.testing.assert_allclose(E, ours / (0.5 * np.pi * r**2 * left)[:, None], rtol=2e-4)
 
 
-def test_trees_of_few_points(ctx):
-    """None, one, and a thousand in one place."""
+def test_few_points(ctx, lit):
+    """Trees of none, of one, and of a thousand in one place; no light at all is dark."""
+    dark = lit(cube(), 0.5, intensity=BLACK, count=1000)
+    assert dark.arrived == 0
+    E, _ = estimates(ctx, dark, np.full((3, 3), 0.5), [0.0, 1.0, 0.0], 0, 50)
+    np.testing.assert_array_equal(E, 0)
     for x in (np.zeros((0, 3)), np.ones((1, 3)), np.tile([[0.5, 0.25, 2.0]], (1000, 1))):
         tree, buffer = PointTree(ctx), TextureBuffer(ctx, points(x, [0, 1.0, 0]) if len(x) else 64, "rgba32ui")
         for _ in tree.sort(buffer, len(x), 2.0):
