@@ -44,6 +44,12 @@ def cube(without=""):
     return triangles_of([corners for _, corners in inside_out(box("grey", (0, 0, 0), (1, 1, 1), without))])
 
 
+@pytest.fixture(autouse=True)
+def at_few_places(monkeypatch):
+    """Irradiance is estimated at fewer photons, for tests' sake."""
+    monkeypatch.setattr("glcloth.curtain.photons.GATHERED", 2048)
+
+
 @pytest.fixture
 def lit(ctx):
     """Traces the photons of a room without cloth; releases everything in the end."""
@@ -248,7 +254,7 @@ def test_against_radiosity(ctx, show):
     charts = factors.charts
     E = show.radiosity.irradiance()[: len(charts.positions)]
     area = charts.area * (factors.openness() >= OPEN)
-    show.scene = SMALL.changed(photons=40_000)
+    show.scene = SMALL.changed(photons=40_000, photon_neighbours=8)
     show.picture()
     _, W, place = show.photons.photons()
     show.change(SMALL)
