@@ -158,7 +158,9 @@ SPECIAL = {
     ("hit_edges", "shear"): lambda rng, count: np.c_[rng.uniform(-0.5, 0.5, (count, 2)), rng.uniform(0.6, 1, count)],
     **{(name, n): directions for name in ("curved_middle", "middle_normal") for n in ("n_a", "n_b")},
     **{(name, "weights"): core.weights for name in ("weights_of_whole", "part_at", "weights_in_part")},
-    **{(name, "part"): lambda rng, count: rng.integers(0, 4, count) for name in ("weights_of_whole", "weights_in_part")},
+    **{
+        (name, "part"): lambda rng, count: rng.integers(0, 4, count) for name in ("weights_of_whole", "weights_in_part")
+    },
     ("disc_point", "n"): lambda rng, count: rng.integers(0, 64, count),
     ("disc_point", "count"): choice(64),
     ("disc_point", "turn"): between(0.0, 1.0),
