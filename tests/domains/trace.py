@@ -4,7 +4,7 @@ import numpy as np
 
 from glcloth.twins.visibility import packed_sums
 
-from . import above_horizon, between, choice, directions, directions_and_axes, core, vectors, woven
+from . import above_horizon, between, choice, core, directions, directions_and_axes, vectors, woven
 
 
 def low_corner(rng, count):

@@ -44,8 +44,7 @@ def seen_share(renderer, mesh, lights, **look):
     """What share of a sun the pixels see."""
     look = {"fabric": "linen", "camera": ABOVE, "size": SIZE, "background": False} | look
     lit, shaded = (
-        renderer.render(mesh=mesh, lights=lights, shadows=shadows, **look)[..., :3].mean(-1)
-        for shadows in ("off", "sun")
+        renderer.render(mesh=mesh, lights=lights, shadows=shadows, **look)[..., :3].mean(-1) for shadows in ("off", "sun")
     )
     return shaded / np.maximum(lit, 1e-9), lit > 1e-3
 
