@@ -316,9 +316,10 @@ class PhotonMap:
         self._node_places.write(data)
 
     def gathered(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Read back the first points at which irradiance was estimated: positions, irradiance [N, 3], radii [N]."""
+        """Read back what `gather` found last of the first points: positions, irradiance [N, 3], radii [N]."""
         data = np.frombuffer(self._gathered.read(BYTES * count), np.float32).reshape(-1, 2, 4)
-        return data[:, 0, :3].copy(), data[:, 1, :3].copy(), data[:, 1, 3].copy()
+        squared = np.frombuffer(self._radii.read(8 * count), np.float32).reshape(-1, 2)[:, 0]
+        return data[:, 0, :3].copy(), data[:, 1, :3].copy(), np.sqrt(squared)
 
     def photons(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Read the photons back: positions, W [N, 3], and places [N] int: 2 t and 2 t + 1, the sides of the room's triangle
