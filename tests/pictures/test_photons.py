@@ -277,6 +277,12 @@ def test_pictures_of_the_room(ctx, show):
     show.change(SMALL)
     picture = show.picture()
     assert np.isfinite(picture).all() and picture.min() >= 0
+    arrays = show.photons.room_tree()
+    x = show.photons.in_room()
+    leaf = (arrays["axis"] == 3) & (arrays["count"] > 0)
+    assert arrays["count"][leaf].sum() == len(x) < show.photons.arrived
+    tree = show.tree()
+    assert ((tree[..., 2] > 0.2) & (tree[..., 2] > 1.5 * tree[..., :2].max(-1))).sum() > 5  # photons are blue
     show.change(SMALL.changed(accelerator="brute"))
     np.testing.assert_array_equal(show.picture(), picture)
     show.change(SMALL.changed(photons=1000, spp=4))
