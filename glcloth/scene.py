@@ -302,9 +302,9 @@ class Scene(Value):
         "", "light around the room: radiosity, of the sky, the curtain and all bounces; photons: the same by photon mapping, for "
         "stills; off: even light", default="off")
     photons: int = curtain(
-        "", "photons that begin for each sample of the pixels (gi photons)", default=200_000, ge=1000, le=2_000_000)
+        "", "photons that begin for each sample of the pixels (gi photons)", default=400_000, ge=1000, le=2_000_000)
     photon_neighbours: int = curtain(
-        "", "nearest photons of an estimate in the first sample; later ones take fewer (gi photons)", default=400, ge=8, le=4000)
+        "", "nearest photons of an estimate in the first sample; later ones take fewer (gi photons)", default=800, ge=8, le=2000)
     spread: bool = curtain(
         "", "blur what is seen through the yarns; needs many samples per pixel", default=False)
     cutoff: float = curtain("", "share of the light below which a ray ends", default=1e-3, ge=0, lt=1, option=False)

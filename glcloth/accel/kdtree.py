@@ -12,7 +12,7 @@ builder and the tracer. The numbers are in glsl/trace/shared.glsl.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 import moderngl
 import numpy as np
@@ -60,7 +60,8 @@ class KdTree:
     ordered_hits = True
     buffers = BUFFERS
     begin_pass, leaves_pass = "passes/accel/kdtree_init.comp", "passes/accel/kdtree_leaves.comp"
-    at_first = {"node": 3.0, "ref": 2.5, "leaf": 3.5}  # for each pair of triangles: a first guess
+    # For each pair of triangles: a first guess.
+    at_first: ClassVar[Mapping[str, float]] = {"node": 3.0, "ref": 2.5, "leaf": 3.5}
     step_cost: float = CONSTANTS["C_TS"]  # in tests of a pair
     margin = 0.0  # of empty space round the references of a node that is not cut off, m
     spatial_median = False  # whether large nodes are cut in the middle of their longest side, not where it costs least
@@ -141,7 +142,14 @@ class KdTree:
         self._swap_active()
         clock.lap("masks")
         for level in range(level_counts[1]):
-            self._run_counted("passes/accel/kdtree_small.comp", "SMALL_GROUPS", small, skip=3 * level, level=level, step_cost=self.step_cost)
+            self._run_counted(
+                "passes/accel/kdtree_small.comp",
+                "SMALL_GROUPS",
+                small,
+                skip=3 * level,
+                level=level,
+                step_cost=self.step_cost,
+            )
             self._swap_active()
         clock.lap("small")
         yield

@@ -5,8 +5,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -26,7 +26,7 @@ class PointTree(KdTree):
         "leaf_points LeafPoints": ("leaf", TEXELS, "rgba32ui"),
     }
     begin_pass, leaves_pass = "passes/accel/kdtree_points.comp", "passes/accel/kdtree_point_leaves.comp"
-    at_first = {"node": 1.1, "ref": 1.0, "leaf": 1.0}
+    at_first: ClassVar[Mapping[str, float]] = {"node": 1.1, "ref": 1.0, "leaf": 1.0}
 
     step_cost = 8.0  # of leaves of sixteen points at most
     point_count = 0

@@ -29,7 +29,8 @@ def render(
         int | None, Parameter(help="Frame of the moving curtain; default: that of the picture given as scene, or 48.")
     ] = None,
     show_tree: Annotated[
-        str | None, Parameter(help="Curtain: the tree beside the picture: leaves, or a level.")
+        str | None,
+        Parameter(help="Curtain: the tree beside the picture, with --gi photons theirs: leaves, or a level."),
     ] = None,
     layers: Annotated[
         bool, Parameter(negative="", help="Curtain: blended layers without shadows instead, to compare.")
@@ -86,7 +87,7 @@ def _check_views(scene: Scene, show_tree: str | None, layers: bool) -> None:
         raise InputError(f"{option}: belongs to the curtain; give its scene: glcloth render curtain")
     if show_tree is not None and show_tree != "leaves" and not show_tree.isdigit():
         raise InputError(f"--show-tree {show_tree}: expected leaves, or a level such as 8")
-    if show_tree is not None and scene.accelerator == "brute":
+    if show_tree is not None and scene.accelerator == "brute" and scene.gi != "photons":
         raise InputError("--show-tree: brute force has no tree; use --accelerator kdtree or lbvh")
 
 

@@ -55,7 +55,7 @@ class SceneOptions:
     room: Annotated[str | None, Parameter(help="OBJ file of the room; none: built in (curtain).")] = None
     gi: Annotated[str | None, Parameter(help="Light around the room: radiosity, of the sky, the curtain and all bounces; photons: the same by photon mapping, for stills; off: even light (off, radiosity or photons; curtain).")] = None
     photons: Annotated[int | None, Parameter(help="Photons that begin for each sample of the pixels (gi photons) (1000 to 2e+06; curtain).")] = None
-    photon_neighbours: Annotated[int | None, Parameter(help="Nearest photons of an estimate in the first sample; later ones take fewer (gi photons) (8 to 4000; curtain).")] = None
+    photon_neighbours: Annotated[int | None, Parameter(help="Nearest photons of an estimate in the first sample; later ones take fewer (gi photons) (8 to 2000; curtain).")] = None
     spread: Annotated[bool | None, Parameter(help="Blur what is seen through the yarns; needs many samples per pixel (curtain).")] = None
     view: Annotated[str | None, Parameter(help="Framed by the size of the cloth: front, three-quarter, side, back, close; or a camera of the mesh's .glb or .gltf file by its name, or file for its only one.")] = None
     eye: Annotated[str | None, Parameter(help="Where the camera is, X,Y,Z (m).")] = None

@@ -103,7 +103,7 @@ class FormFactors:
 
 
 def facing_the_room(
-    positions: np.ndarray, structure: Structure, ctx: moderngl.Context, material: np.ndarray
+    positions: np.ndarray, structure: Structure, ctx: moderngl.Context, material: np.ndarray | int = 0
 ) -> np.ndarray:
     """Triangles [T, 3, 3] of materials [T], turned over where their front sees nothing of the room but their back does."""
     u = r2_points(32)
@@ -121,7 +121,7 @@ def facing_the_room(
     queries.release()
     # What is near is the inside of a thing, such as of a window's frame, whose outer face sees the sky alone.
     over = (seen[0][0] < 0.1) & (seen[1][0] > 0.5) & (seen[1][1] > 0.1 * 1e4 * offset)
-    joined = np.flatnonzero(find_pairs(positions, material)[1])
+    joined = np.flatnonzero(find_pairs(positions, np.broadcast_to(material, len(positions)))[1])
     over[joined + 1] = over[joined]
     return np.where(over[:, None, None], positions[:, ::-1], positions)
 

@@ -53,8 +53,8 @@ class Photons:
     count : how many begin for each sample of the pixels. neighbours : so many nearest ones make an estimate in the first
     """
 
-    count: int = 200_000
-    neighbours: int = 400
+    count: int = 400_000
+    neighbours: int = 800
 
     def shrunk(self, sample: int) -> float:
         """The share of the first sample's neighbours that a sample takes."""
@@ -197,10 +197,7 @@ class PhotonMap:
         structure : built of the room and the cloth as it hangs now; of those that find a hit in one dispatch
         keep_lamp : take the lamp's own light too, which a tracer adds itself
         """
-        found = self.emission(shot)
-        yield from self._trace(inputs, structure, found, photons.count, sample, keep_lamp)
-        for _ in self.tree.sort(self._photons, self.arrived, self._scale):
-            yield {}
+        yield from self.arrive(shot, inputs, structure, photons.count, sample, keep_lamp)
         neighbours, shrunk = photons.neighbours_of(sample), photons.shrunk(sample)
         gathered = self.gather(self.tree.sorted_points, self.arrived, neighbours, shrunk)
         # A hit's disc holds INTERPOLATED of them where they are half as dense as in the mean.
@@ -213,6 +210,20 @@ class PhotonMap:
         for _ in self._gathered_tree.sort(self._gathered, gathered, self._scale):
             yield {}
         yield self.inputs()
+
+    def arrive(
+        self,
+        shot: Shot,
+        inputs: Mapping[str, Any],
+        structure: Structure,
+        count: int,
+        sample: int = 0,
+        keep_lamp: bool = False,
+    ) -> Iterator[dict[str, Any]]:
+        """Trace so many photons, and build the tree of where they arrive, in steps; parameters as for `steps`."""
+        yield from self._trace(inputs, structure, self.emission(shot), count, sample, keep_lamp)
+        for _ in self.tree.sort(self._photons, self.arrived, self._scale):
+            yield {}
 
     def _trace(
         self, inputs: Mapping[str, Any], structure: Structure, light: Emission, count: int, sample: int, keep_lamp: bool
@@ -293,7 +304,9 @@ class PhotonMap:
             return
         self._nodes, self._node_count = (across, down), 2 * across * down
         width, height = self._size
-        y, x = (a.ravel() for a in np.meshgrid(-np.linspace(0, height, down), np.linspace(0, width, across), indexing="ij"))
+        y, x = (
+            a.ravel() for a in np.meshgrid(-np.linspace(0, height, down), np.linspace(0, width, across), indexing="ij")
+        )
         data = np.zeros((2, len(x), TEXELS, 4), np.uint32)
         for side, sign in enumerate((1.0, -1.0)):
             place = np.stack([x, y, np.full_like(x, sign * self._far)], 1)
@@ -303,9 +316,10 @@ class PhotonMap:
         self._node_places.write(data)
 
     def gathered(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Read back the first points at which irradiance was estimated: positions, irradiance [N, 3], radii [N]."""
+        """Read back what `gather` found last of the first points: positions, irradiance [N, 3], radii [N]."""
         data = np.frombuffer(self._gathered.read(BYTES * count), np.float32).reshape(-1, 2, 4)
-        return data[:, 0, :3].copy(), data[:, 1, :3].copy(), data[:, 1, 3].copy()
+        squared = np.frombuffer(self._radii.read(8 * count), np.float32).reshape(-1, 2)[:, 0]
+        return data[:, 0, :3].copy(), data[:, 1, :3].copy(), np.sqrt(squared)
 
     def photons(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Read the photons back: positions, W [N, 3], and places [N] int: 2 t and 2 t + 1, the sides of the room's triangle
@@ -314,6 +328,18 @@ class PhotonMap:
         data = np.frombuffer(raw, np.float32).reshape(-1, 2, 4)
         places = np.frombuffer(raw, np.uint32).reshape(-1, 2, 4)[:, 1, 3]
         return data[:, 0, :3].copy(), data[:, 1, :3].copy(), places.astype(int)
+
+    def in_room(self) -> np.ndarray:
+        """Where the photons are that lie in the room, not on the cloth: [N, 3] float32."""
+        x, _, place = self.photons()
+        return x[place < 2 * len(self.room.positions)]
+
+    def room_tree(self) -> dict[str, np.ndarray]:
+        """The nodes of the tree in which photons of the room lie: axis, count, depth, low and high, as `arrays` has them."""
+        tree = self.tree.arrays()
+        low, high = self._box
+        inside = ((tree["low"] <= high + 1e-3) & (tree["high"] >= low - 1e-3)).all(1)
+        return {name: tree[name][inside] for name in ("axis", "count", "depth", "low", "high")}
 
     def _flat(self) -> dict[str, Any]:
         """The inputs of inputs/tracing/flat_cloth.glsl."""

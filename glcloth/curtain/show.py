@@ -110,6 +110,7 @@ class CurtainShow:
         self._radiosity: Radiosity | None = None
         self._paths: CurtainPaths | None = None
         self._photons: PhotonMap | None = None
+        self._lit_frame = -1  # whose photons are there
         self.tracer = Tracer(ctx)
         self.tracer.set_scene(self.triangles, self.materials)
         self.moved()
@@ -274,7 +275,13 @@ class CurtainShow:
         for _ in self.building(PHOTON_STRUCTURE if name == "brute" else name):
             pass
         structure = self.tracer.structure(PHOTON_STRUCTURE if name == "brute" else name)
-        return lambda sample: self.photons.steps(shot, self.tracer.inputs(shot), structure, photons, sample)
+        self._lit_frame = -1
+
+        def of_sample(sample: int) -> Iterator[Mapping[str, Any]]:
+            yield from self.photons.steps(shot, self.tracer.inputs(shot), structure, photons, sample)
+            self._lit_frame = self.frame
+
+        return of_sample
 
     def steps(
         self, size: tuple[int, int], spp: int, pixels: Callable[[], int], other: Scene | None = None
@@ -305,15 +312,28 @@ class CurtainShow:
         return draw_tree(self.ctx, self.tree_content(camera or camera_of(self.scene)), self.scene.size, level)
 
     def tree_content(self, camera: Camera) -> TreeContent:
-        """The content of a picture of the structure of the present frame."""
+        """The content of a picture of the structure of the present frame; with photons of theirs."""
         self.build()
-        arrays = self.tracer.structure(self.scene.accelerator).arrays()
+        photons = self.scene.gi == "photons"
+        arrays = self._photon_tree() if photons else self.tracer.structure(self.scene.accelerator).arrays()
         positions = self.triangles.positions()
         material = np.concatenate(
             [self.room.material + 1, np.zeros(self.triangles.count - len(self.room.material), int)]
         )
         colors = np.where((material == CLOTH)[:, None], CLOTH_TINT, self.materials[material])
-        return TreeContent(arrays, positions, colors, camera, self.scene.lamp_position, hides(positions, camera))
+        points = self.photons.in_room() if photons else None
+        return TreeContent(
+            arrays, positions, colors, camera, self.scene.lamp_position, hides(positions, camera), points
+        )
+
+    def _photon_tree(self) -> dict[str, np.ndarray]:
+        """The part of the photons' tree that lies in the room, those of the last picture of this frame or of a first sample."""
+        if self._lit_frame != self.frame:
+            renewed = self.lit(self.shot()).renewed
+            assert renewed is not None
+            for _ in renewed(0):
+                pass
+        return self.photons.room_tree()
 
     def frames(self, count: int, start: int = 0) -> Iterator[np.ndarray]:
         """Yield the pictures of frames `start` to `count` - 1; the ones before are only simulated."""

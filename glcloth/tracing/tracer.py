@@ -120,8 +120,10 @@ class Tracer:
         width, height = shot.size
         begin = time.perf_counter()
         steps = self.steps(shot)
-        total = len(list(_tiles(width, height, self._tile_pixels))) * len(shot.samples)
-        for _ in track(steps, "trace: samples of tiles", total) if total > 1 else steps:
+        total = len(list(_tiles(width, height, self._tile_pixels))) * len(shot.samples) + (shot.renewed is not None)
+        # Light that is found anew takes steps of its own, nobody knows how many.
+        what, most = ("trace: photons and tiles", None) if shot.renewed else ("trace: samples of tiles", total)
+        for _ in track(steps, what, most) if total > 1 else steps:
             pass
         picture = np.frombuffer(self.picture.read(16 * width * height), np.float32).reshape(height, width, 4)
         self.statistics.total_ms = 1000 * (time.perf_counter() - begin)

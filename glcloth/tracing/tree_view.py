@@ -19,12 +19,13 @@ from ..gpu.buffers import TextureBuffer
 from ..gpu.programs import programs
 from .canvas import Canvas
 
-YELLOW, GREEN, GREY, BLACK, PAPER = (
+YELLOW, GREEN, GREY, BLACK, PAPER, BLUE = (
     (1.0, 0.95, 0.45),
     (0.05, 0.65, 0.1),
     (0.5, 0.5, 0.5),
     (0.0, 0.0, 0.0),
     (1.0, 1.0, 1.0),
+    (0.05, 0.15, 0.75),
 )
 EDGES = [(0, 1), (0, 2), (0, 4), (1, 3), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 6), (5, 7), (6, 7)]
 OVERSAMPLING = 2
@@ -59,6 +60,7 @@ class TreeContent:
 
     tree : `arrays()` of a structure that has boxes (kdtree or lbvh). positions : [T, 3, 3]; colors : [T, 3] diffuse, linear.
     lamp : position of the lamp. hidden : [T] bool, triangles to leave out (walls that would hide the rest).
+    points : [N, 3], what a tree of points holds.
     """
 
     tree: dict[str, np.ndarray]
@@ -67,6 +69,7 @@ class TreeContent:
     camera: Camera
     lamp: tuple[float, float, float] | None = None
     hidden: np.ndarray | None = None
+    points: np.ndarray | None = None
 
 
 class TreePicture:
@@ -178,6 +181,7 @@ def _parts(content: TreeContent, nodes: np.ndarray) -> list[Part]:
         Part(bulb, YELLOW, moderngl.TRIANGLES, 0.0),
         Part(boxes, GREEN, moderngl.LINES, 1e-5),
         Part(axes, GREY, moderngl.LINES, 1e-5),
+        Part(np.zeros((0, 3)) if content.points is None else content.points, BLUE, moderngl.POINTS, 1e-5),
     ]
 
 

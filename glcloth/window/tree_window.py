@@ -88,7 +88,7 @@ class TreeWindow:
         """Take the structure of the present frame; nothing is drawn yet. False while the last one is being drawn."""
         if self._plan is not None:
             return False
-        accelerator = curtain.scene.accelerator
+        accelerator = "photons" if curtain.scene.gi == "photons" else curtain.scene.accelerator
         if accelerator == "brute":
             self._content = None
             self._title("brute force has no tree: choose kdtree or lbvh")

@@ -4,7 +4,7 @@ import numpy as np
 
 from glcloth.twins.visibility import packed_sums
 
-from . import above_horizon, between, choice, directions, directions_and_axes, core, vectors, woven
+from . import above_horizon, between, choice, core, directions, directions_and_axes, vectors, woven
 
 
 def low_corner(rng, count):
@@ -61,6 +61,12 @@ def angles(rng, count):
     return both | {"l": np.linalg.norm(np.cross(both["a"], both["b"]), axis=1)}
 
 
+def numbered(rng, count):
+    """A number below another one."""
+    of = rng.choice([1, 1000, 2**20], count)
+    return {"i": (rng.random(count) * of).astype(int), "count": of}
+
+
 def ways(rng, count):
     """From points of a surface to others, some nearly on it, with a normal."""
     n = directions(rng, count)
@@ -80,7 +86,13 @@ def edges_about(rng, count):
     h = np.where(rng.random(count) < 0.1, 0.02, rng.uniform(-1.5, 1.5, count))
     x = rng.uniform(-2, 2, (count, 2))
     ends = [p + h[:, None] * v + x[:, k, None] * u + (k * 0.1) * u for k in (0, 1)]
-    return {"p": p, "a": ends[0], "b": ends[1] + 0.1 * np.sign(x[:, 1:] - x[:, :1]) * u, "n": n, "r": rng.uniform(0.3, 1, count)}
+    return {
+        "p": p,
+        "a": ends[0],
+        "b": ends[1] + 0.1 * np.sign(x[:, 1:] - x[:, :1]) * u,
+        "n": n,
+        "r": rng.uniform(0.3, 1, count),
+    }
 
 
 DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}
@@ -89,8 +101,6 @@ DOMAINS |= {
     for name in ("roughness", "roughness_p", "eta_1", "eta_2", "rho", "k_a", "k_t", "diffuse", "tau")
 }
 SPECIAL = {
-    ("shifted_hammersley", "i"): lambda rng, count: rng.integers(0, 2**20, count),
-    ("shifted_hammersley", "count"): choice(1, 1000, 2**20),
     ("shifted_hammersley", "shift"): lambda rng, count: rng.random((count, 2)),
     ("disc_kernel", "d2"): between(0.0, 2.0),
     ("disc_kernel", "r2"): between(0.1, 2.0),
@@ -148,7 +158,9 @@ SPECIAL = {
     ("hit_edges", "shear"): lambda rng, count: np.c_[rng.uniform(-0.5, 0.5, (count, 2)), rng.uniform(0.6, 1, count)],
     **{(name, n): directions for name in ("curved_middle", "middle_normal") for n in ("n_a", "n_b")},
     **{(name, "weights"): core.weights for name in ("weights_of_whole", "part_at", "weights_in_part")},
-    **{(name, "part"): lambda rng, count: rng.integers(0, 4, count) for name in ("weights_of_whole", "weights_in_part")},
+    **{
+        (name, "part"): lambda rng, count: rng.integers(0, 4, count) for name in ("weights_of_whole", "weights_in_part")
+    },
     ("disc_point", "n"): lambda rng, count: rng.integers(0, 64, count),
     ("disc_point", "count"): choice(64),
     ("disc_point", "turn"): between(0.0, 1.0),
@@ -203,6 +215,7 @@ JOINT = {
     "horizon_point": across_horizon,
     "clipped_edge_factor": seen_quads("abn"),
     "quad_factor": seen_quads("abcdn"),
+    "shifted_hammersley": numbered,
     "disc_distance": ways,
     "cut_share": edges_about,
 }

@@ -7,7 +7,7 @@
 #include "trace/photons.glsl"
 
 uniform usamplerBuffer point_nodes;   // passes/accel/kdtree_emit.comp says how they are packed
-uniform usamplerBuffer leaf_points;   // two texels: (x, y, z, packed normal) (what it carries, -)
+uniform usamplerBuffer leaf_points;   // two texels: (x, y, z, packed normal) (what it carries, its place or its area)
 uniform int nearest_wanted;
 uniform float nearest_most;           // the largest squared radius, but where there is nothing within
 
@@ -18,12 +18,6 @@ const int THIN = 16;        // the radius is found where so many bins lie within
 const float AGREE = 0.7;    // cosine between normals of one surface
 const uint NO_NODE = 0xffffffffu;
 
-struct Nearest {
-    vec3 sum;      // of what the points carry, by disc_kernel
-    float weight;  // of those points together
-    float r2;      // squared radius
-};
-
 struct Search {
     vec3 p;
     vec3 n;
@@ -32,6 +26,7 @@ struct Search {
     int limit;     // the last bin within reach
     uint within;   // points in these
     bool counts;   // instead of summing
+    bool by_area;  // what is summed weighs by the area that it stands for
     vec3 sum;
     float weight;
 };
@@ -56,8 +51,9 @@ void meet_point(inout Search search, int i, int last) {
             less = search.limit > 0 && search.within - nearest_bins[search.limit] >= uint(nearest_wanted);
         }
     } else {
-        float weight = disc_kernel(d2, search.reach);
-        search.sum += weight * uintBitsToFloat(texelFetch(leaf_points, 2 * i + 1).xyz);
+        vec4 carried = uintBitsToFloat(texelFetch(leaf_points, 2 * i + 1));
+        float weight = disc_kernel(d2, search.reach) * (search.by_area ? carried.w : 1.0);
+        search.sum += weight * carried.xyz;
         search.weight += weight;
     }
 }
@@ -110,7 +106,7 @@ void search_points(inout Search search) {
 }
 
 Search begun(vec3 p, vec3 n, float reach, bool counts) {
-    return Search(p, n, reach, 0.0, 0, 0u, counts, vec3(0.0), 0.0);
+    return Search(p, n, reach, 0.0, 0, 0u, counts, false, vec3(0.0), 0.0);
 }
 
 // Searches once, and shrinks the reach to what holds the wanted points; true where another search is needed to know it well.
@@ -125,9 +121,11 @@ bool shrinks(inout Search search) {
     return empty || search.within >= uint(nearest_wanted) && search.limit < THIN;
 }
 
-// About p on a surface with the normal n, by all searches at once: for few points.
-Nearest nearest_points(vec3 p, vec3 n) {
+// The mean of what points carry about p on a surface with the normal n, each by the area that it stands for: where they lie
+// densely, they would count too often. By all searches at once: for few points.
+vec3 nearest_mean(vec3 p, vec3 n) {
     Search search = begun(p, n, nearest_most, true);
+    search.by_area = true;
     int searches = 0;
     bool more = true;
     do {
@@ -136,5 +134,5 @@ Nearest nearest_points(vec3 p, vec3 n) {
         more = search.counts;
         search.counts = search.counts && again && searches < SEARCHES;
     } while (more);
-    return Nearest(search.sum, search.weight, search.reach);
+    return search.sum / max(search.weight, 1e-30);
 }

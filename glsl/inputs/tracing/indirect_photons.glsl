@@ -6,10 +6,7 @@ uniform usamplerBuffer cloth_light;  // of the nodes on its front, row by row fr
 uniform ivec2 cloth_nodes;           // across and down
 uniform vec2 cloth_size;             // of the flat cloth, m
 
-vec3 indirect_on_solid(int triangle, vec3 p, vec3 N_g) {
-    Nearest near = nearest_points(p, N_g);
-    return near.sum / max(near.weight, 1e-20);
-}
+vec3 indirect_on_solid(int triangle, vec3 p, vec3 N_g) { return nearest_mean(p, N_g); }
 
 vec3 node_light(int node) { return uintBitsToFloat(texelFetch(cloth_light, 2 * node + 1).xyz); }
 

@@ -9,7 +9,7 @@ uniform usamplerBuffer queries;    // points as the tree has them, with the plac
 uniform usamplerBuffer rim_lists;  // of each place its first rim, and how many
 uniform samplerBuffer rims;        // two texels each: where they begin and end
 layout(std430) readonly buffer Radii { vec2 radius[]; };     // squared, passes/curtain/photon_radius.comp
-layout(std430) writeonly buffer Points { uvec4 point[]; };  // as the queries; it carries irradiance and the disc's radius
+layout(std430) writeonly buffer Points { uvec4 point[]; };  // as the queries; it carries irradiance and the area that holds the neighbours
 uniform int query_count;
 uniform int stride;
 
@@ -35,7 +35,8 @@ void main() {
         }
         ++k;
     } while (k < list.y);
-    vec3 E = search.sum / (0.5 * PI * search.reach * max(left, LEAST_LEFT));
+    float area = search.reach * max(left, LEAST_LEFT);
+    vec3 E = search.sum / (0.5 * PI * area);
     point[2 * i] = place;
-    point[2 * i + 1] = uvec4(floatBitsToUint(E), floatBitsToUint(r));
+    point[2 * i + 1] = uvec4(floatBitsToUint(E), floatBitsToUint(area));
 }

@@ -123,7 +123,10 @@ void meet_cloth(inout Photon photon, Surface s, vec3 p, float t) {
     float R = R_limited(R_sheet(omega, k_t, rho, eta_1, eta_2), straight + evenly, cloth_albedo);
     vec3 u = rnd();
     vec3 c = cosine_direction(u.xy);
-    vec3 f = reflection_limit * f_cloth(omega, c) * PI / max(omega.z, LEAST_COSINE);
+    // Photons arrive and leave by the cosines to the flat triangle, whatever the smooth normal is.   [Veach 1997, section 5.3]
+    vec3 d_new = world_from_surface * c;
+    float bent = max(dot(d_new, s.N_g), 0.0) / max(c.z, LEAST_COSINE);
+    vec3 f = reflection_limit * f_cloth(omega, c) * PI * bent / max(-dot(photon.d, s.N_g), LEAST_COSINE);
     vec3 chance = vec3(most(straight), most(evenly), R);
     chance /= max(dot(chance, vec3(1.0)), 1.0);
     // Where it would go is known: as often as it weighs, so that those that go weigh alike.
@@ -139,7 +142,7 @@ void meet_cloth(inout Photon photon, Surface s, vec3 p, float t) {
         send(photon, p, s.N_g, mirrored_direction(d, s.N, s.N_g), W * R / chance.z);
     } else {
         bool goes = u.z < passed + reflected;
-        send(photon, p, s.N_g, world_from_surface * c, goes ? W * f / reflected : vec3(0.0));
+        send(photon, p, s.N_g, d_new, goes ? W * f / reflected : vec3(0.0));
     }
 }
 
