@@ -16,10 +16,13 @@ from ..errors import InputError
 from ..geometry.mesh import Mesh, build_mesh
 from ..geometry.shapes import grid_triangles
 from ..scene import CurtainParameters
-from ..simulation.cloth import Cloth, ClothParameters, Wind
+from ..simulation.cloth import Cloth, ClothParameters, Rail, Wind
 from ..simulation.solids import Plane
 
 # These may change while the curtain moves; for anything else it is hung anew.
+GAP = 1.05  # spacings along a row that folds keep from each other
+# Where gusts exceed 1 m/s: folds keep further apart, the cloth is not crushed through itself, and its weave locks on the bias.
+STRONG = {"gap": 1.4, "least_fold": 0.8, "shear": 40.0}
 LIVE = ("wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
 
 
@@ -28,8 +31,10 @@ class CurtainSimulation:
     `position_buffer` (m), `normal_buffer` (+z side), `tangent_buffer` (yarn 1, along the rail)."""
 
     # Substeps per second for gusts up to 1 m/s; beyond, in proportion to the wind's pressure, so that folds
-    # crushed under the heading stretch no thread by more than 5 %.
+    # crushed under the heading stretch no thread by more than 5 %, up to twice that wind: stronger ones lift the cloth,
+    # and the heading turns with it.
     SUBSTEP_RATE = 288
+    MOST_SUBSTEPS = 4 * SUBSTEP_RATE
     RINGS_FACTOR = 2  # under a ring the whole pleat hangs on one thread
 
     def __init__(self, ctx: moderngl.Context, parameters: CurtainParameters | None = None, settle: bool = True):
@@ -46,12 +51,13 @@ class CurtainSimulation:
         pinned = np.zeros((rows, columns), bool)
         pinned[0] = True if m.heading == "tape" else _crests(rail[:, 1])
         spacing = (m.width * m.fullness / m.quads[0], m.drop / m.quads[1])
+        self._first_row = positions[0].copy()
         cloth = ClothParameters(
             spacing=spacing,
             **_material(m),
             thickness=0.01,
             # Pleats meet side by side, so a row need only heed itself, one and a half pleats to either side.
-            gap=1.05 * spacing[0],
+            gap=GAP * spacing[0],
             contact_columns=3 * m.quads[0] // (2 * m.pleats),
             # Pleats that are crushed together pull at the threads along the rail.
             rows_last=True,
@@ -73,8 +79,21 @@ class CurtainSimulation:
             for _ in self._advance(1 / 30):
                 yield k / steps
         self.cloth.time = 0.0
-        self.cloth.wind = Wind((0.0, 0.0, self.parameters.wind), self.parameters.gustiness)
+        self._blow()
         self.cloth.update_frames()
+
+    def _blow(self) -> None:
+        """Let the wind of the parameters blow from now on, and make the cloth ready for it."""
+        m, cloth = self.parameters, self.cloth
+        cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
+        strong = _gusts(m) > 1.0
+        own = {"gap": GAP, "least_fold": 0.0, "shear": m.shear} | (STRONG if strong else {})
+        own["gap"] *= cloth.parameters.spacing[0]
+        own["shear"] = max(own["shear"], m.shear)
+        cloth.set_parameters(dataclasses.replace(cloth.parameters, **own))
+        # Once it turns it may turn back.
+        if strong and m.heading == "tape" and cloth.rail is None:
+            cloth.rail = Rail(cloth.ctx, self._first_row)
 
     def change(self, parameters: CurtainParameters) -> bool:
         """Take other parameters while the curtain moves; False, and nothing done, where it must be hung anew for them."""
@@ -83,7 +102,7 @@ class CurtainSimulation:
             return False
         self.parameters = m = parameters
         self.cloth.set_parameters(dataclasses.replace(self.cloth.parameters, **_material(m)))
-        self.cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
+        self._blow()
         return True
 
     @property
@@ -103,8 +122,8 @@ class CurtainSimulation:
 
     def _advance(self, dt: float) -> Iterator[None]:
         m = self.parameters
-        rate = self.SUBSTEP_RATE * max(1.0, abs(m.wind) * (1 + m.gustiness)) ** 2
-        rate *= self.RINGS_FACTOR if m.heading == "rings" else 1
+        rate = self.SUBSTEP_RATE * max(1.0, _gusts(m)) ** 2
+        rate = min(rate * (self.RINGS_FACTOR if m.heading == "rings" else 1), self.MOST_SUBSTEPS)
         substeps = max(1, math.ceil(dt * rate - 1e-9))
         if substeps != self.cloth.parameters.substeps:
             self.cloth.parameters = dataclasses.replace(self.cloth.parameters, substeps=substeps)
@@ -125,6 +144,11 @@ class CurtainSimulation:
     def release(self) -> None:
         """Free the GPU's memory."""
         self.cloth.release()
+
+
+def _gusts(m: CurtainParameters) -> float:
+    """The strongest wind, m/s."""
+    return abs(m.wind) * (1 + m.gustiness)
 
 
 def _material(m: CurtainParameters) -> dict:
