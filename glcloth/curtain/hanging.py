@@ -23,7 +23,8 @@ from ..simulation.solids import Plane
 GAP = 1.05  # spacings along a row that folds keep from each other
 # Where gusts exceed 1 m/s: folds keep further apart, the cloth is not crushed through itself, and its weave locks on the bias.
 STRONG = {"gap": 1.4, "least_fold": 0.8, "shear": 40.0}
-LIVE = ("wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
+ROD = 0.1376  # m, from the window to the middle of the built-in room's rod
+LIVE = ("color", "wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
 
 
 class CurtainSimulation:
@@ -47,11 +48,14 @@ class CurtainSimulation:
         rail = pleated_rail(m, columns)
         positions = np.empty((rows, columns, 3))
         positions[..., 0], positions[..., 2] = rail[:, 0], rail[:, 1]
-        positions[..., 1] = np.linspace(m.top, m.top - m.drop, rows)[:, None]
+        positions[..., 1] = np.linspace(m.upper, m.upper - m.drop, rows)[:, None]
         pinned = np.zeros((rows, columns), bool)
-        pinned[0] = True if m.heading == "tape" else _crests(rail[:, 1])
+        pinned[0] = _crests(rail[:, 1]) if m.heading == "rings" else True
+        # About a rod the cloth is held where the rod is, too.
+        held = 1 + round((m.upper - m.top) * m.quads[1] / m.drop)
+        pinned[:held] |= held > 1
         spacing = (m.width * m.fullness / m.quads[0], m.drop / m.quads[1])
-        self._first_row = positions[0].copy()
+        self._heading = positions[:held].copy()
         cloth = ClothParameters(
             spacing=spacing,
             **_material(m),
@@ -92,8 +96,8 @@ class CurtainSimulation:
         own["shear"] = max(own["shear"], m.shear)
         cloth.set_parameters(dataclasses.replace(cloth.parameters, **own))
         # Once it turns it may turn back.
-        if strong and m.heading == "tape" and cloth.rail is None:
-            cloth.rail = Rail(cloth.ctx, self._first_row)
+        if strong and m.heading != "rings" and cloth.rail is None:
+            cloth.rail = Rail(cloth.ctx, self._heading)
 
     def change(self, parameters: CurtainParameters) -> bool:
         """Take other parameters while the curtain moves; False, and nothing done, where it must be hung anew for them."""
@@ -174,7 +178,10 @@ def pleated_rail(parameters: CurtainParameters, columns: int) -> np.ndarray:
     ):
         t, height = _equal_pieces(wave, m.width, m.width * fullness / (columns - 1), t, height)
     z = height * wave(t)
-    return np.column_stack([(t - 0.5) * m.width, z - z.min() + m.clearance])
+    off = m.clearance - z.min()
+    if m.heading in ("eyelet", "rod"):
+        off = max(off, ROD - (z.min() + z.max()) / 2)
+    return np.column_stack([(t - 0.5) * m.width, z + off])
 
 
 def _equal_pieces(wave: CubicSpline, width: float, piece: float, t: np.ndarray, height: float) -> tuple:

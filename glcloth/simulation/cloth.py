@@ -53,8 +53,9 @@ class ClothParameters:
     along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap:
     kept between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only
     those of one row, at most so many columns apart. least_fold: share of their distance in the flat cloth that vertices
-    at most two rows and columns apart keep, so that it is not crushed through itself (0 = not looked at). hem: factor on the mass of the last row. air_substeps: for how many
-    substeps the air's force serves. rows_last: solve columns before rows; the last ones solved stretch least.
+    at most two rows and columns apart keep, so that it is not crushed through itself (0 = not looked at). hem: factor on
+    the mass of the last row. air_substeps: for how many substeps the air's force serves. rows_last: solve columns before
+    rows; the last ones solved stretch least.
     """
 
     spacing: tuple[float, float]
@@ -104,20 +105,21 @@ class ClothParameters:
 
 
 class Rail:
-    """A rail along x whose heading, the first row of a cloth, turns about it with the cloth below, as tape does on gliders.
+    """A rail along x whose heading, the first rows of a cloth, turns about it with the cloth below, as tape does on gliders.
 
     Held in one plane, a heading's wave would be crushed through itself where strong wind lifts the cloth into that plane.
     """
 
     FASTEST = 12.0  # rad/s
-    ROW = 3  # whose mean place says where the cloth goes
+    BELOW = 2  # rows: the mean place of that below the heading says where the cloth goes
 
-    def __init__(self, ctx: moderngl.Context, first_row: np.ndarray):
-        """`first_row` [columns, 3], m, at rest: level, with the rail in its middle."""
-        self.ctx, self.columns = ctx, len(first_row)
-        self.axis = float(first_row[0, 1]), float(first_row[:, 2].min() + first_row[:, 2].max()) / 2
-        data = np.zeros((1 + self.columns, 4), np.float32)
-        data[1:, 0], data[1:, 1] = first_row[:, 0], first_row[:, 2] - self.axis[1]
+    def __init__(self, ctx: moderngl.Context, heading: np.ndarray):
+        """`heading` [rows, columns, 3], m, at rest: level, with the rail in the middle of its last row."""
+        self.ctx, (rows, self.columns) = ctx, heading.shape[:2]
+        self.row, self.held = rows + self.BELOW, rows * self.columns
+        self.axis = float(heading[-1, 0, 1]), float(heading[..., 2].min() + heading[..., 2].max()) / 2
+        data = np.zeros((1 + self.held, 4), np.float32)
+        data[1:, :3] = heading.reshape(-1, 3) - [0.0, *self.axis]
         self._heading = Buffer(ctx, data.tobytes())
 
     @property
@@ -128,7 +130,7 @@ class Rail:
     def turn(self, buffers: dict[str, Buffer], duration: float) -> None:
         """Let the heading turn for so many seconds."""
         programs(self.ctx).compute("passes/simulation/heading.comp").run(
-            64, buffers, Heading=self._heading, columns=self.columns, hanging=self.ROW, axis=self.axis,
+            64, buffers, Heading=self._heading, columns=self.columns, held=self.held, hanging=self.row, axis=self.axis,
             most=self.FASTEST * duration,
         )  # fmt: skip
 

@@ -162,6 +162,31 @@ def test_rings_hold_the_crests_only(hang):
     assert np.allclose(top[pinned], curtain.parameters.top) and top[~pinned].min() < curtain.parameters.top - 0.001
 
 
+@pytest.mark.parametrize("heading", ["tape", "pencil", "eyelet", "rod"])
+def test_headings_as_they_are_sold(hang, heading):
+    """On a rod cloth stands above it and about it; narrow folds are narrow, eyelets' even; what is held stays."""
+    from glcloth.curtain.hanging import ROD
+
+    curtain = hang(heading=heading, width=1.0, drop=1.0, fullness=2.0, wind=0.5, settle=0.1)
+    first = curtain.positions()
+    curtain.step(1 / 24)
+    m, p = curtain.parameters, curtain.positions()
+    held = curtain.cloth.inverse_mass == 0
+    on_rod = heading in ("eyelet", "rod")
+    assert held[: 2 if on_rod else 1].all() == held.any() and held.sum() == held[: 2 if on_rod else 1].sum()
+    assert np.array_equal(p[held], first[held]) and not np.array_equal(p, first)
+    z, y = first[held][:, 2], first[held][:, 1]
+    folds = np.count_nonzero(np.diff(np.sign(first[0, :, 2] - first[0, :, 2].mean()))) / 2
+    assert (
+        folds == pytest.approx(m.pleats, abs=1)
+        and m.pleats == {"tape": 5, "pencil": 10, "eyelet": 6, "rod": 11}[heading]
+    )
+    assert (z.min() + z.max()) / 2 == pytest.approx(ROD, abs=1e-3) or not on_rod
+    assert (y.min() < m.top + 0.025 < y.max()) == on_rod, "the built-in room's rod is 2.5 cm above the rail's height"
+    depth = [np.ptp(part) for part in np.array_split(first[0, :, 2], 3)]
+    assert (max(depth) < 1.05 * min(depth)) == (heading == "eyelet")
+
+
 def test_frames_are_unit_and_face_the_room(hang):
     curtain = hang(quads=(72, 20), pleats=6)
     curtain.step(1 / 60)
