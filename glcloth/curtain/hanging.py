@@ -20,6 +20,8 @@ from ..simulation.cloth import Cloth, ClothParameters, Rail, Wind
 from ..simulation.solids import Plane
 
 # These may change while the curtain moves; for anything else it is hung anew.
+SOFT = 3e-5  # N m: up to here the rate of the wind serves
+CONVERGED = 0.021  # D h^2 / (mass spacing^4): there the sag of a strip is 2.4 % more than the elastica's
 GAP = 1.05  # spacings along a row that folds keep from each other
 # Where gusts exceed 1 m/s: folds keep further apart, the cloth is not crushed through itself, and its weave locks on the bias.
 STRONG = {"gap": 1.4, "least_fold": 0.8, "shear": 40.0}
@@ -39,11 +41,13 @@ class CurtainSimulation:
     RINGS_FACTOR = 2  # under a ring the whole pleat hangs on one thread
 
     def __init__(self, ctx: moderngl.Context, parameters: CurtainParameters | None = None, settle: bool = True):
-        """Hang the curtain and let it settle; deterministic. Raises InputError as CurtainParameters does.
+        """Hang the curtain and let it settle; deterministic. Raises InputError as CurtainParameters does, and for cloth so
+        stiff that it would bend too easily.
 
         settle : False leaves that to a caller who goes through `settling()` before the first step
         """
         self.parameters = m = parameters or CurtainParameters()
+        self._least_rate = _rate_for_bending(m, self.MOST_SUBSTEPS)
         columns, rows = m.quads[0] + 1, m.quads[1] + 1
         rail = pleated_rail(m, columns)
         positions = np.empty((rows, columns, 3))
@@ -54,7 +58,7 @@ class CurtainSimulation:
         # About a rod the cloth is held where the rod is, too.
         held = 1 + round((m.upper - m.top) * m.quads[1] / m.drop)
         pinned[:held] |= held > 1
-        spacing = (m.width * m.fullness / m.quads[0], m.drop / m.quads[1])
+        spacing = _spacing(m)
         self._heading = positions[:held].copy()
         cloth = ClothParameters(
             spacing=spacing,
@@ -104,6 +108,7 @@ class CurtainSimulation:
         m = self.parameters
         if m.changed(**{name: getattr(parameters, name) for name in LIVE}) != parameters:
             return False
+        self._least_rate = _rate_for_bending(parameters, self.MOST_SUBSTEPS)
         self.parameters = m = parameters
         self.cloth.set_parameters(dataclasses.replace(self.cloth.parameters, **_material(m)))
         self._blow()
@@ -126,7 +131,7 @@ class CurtainSimulation:
 
     def _advance(self, dt: float) -> Iterator[None]:
         m = self.parameters
-        rate = self.SUBSTEP_RATE * max(1.0, _gusts(m)) ** 2
+        rate = max(self.SUBSTEP_RATE * max(1.0, _gusts(m)) ** 2, self._least_rate)
         rate = min(rate * (self.RINGS_FACTOR if m.heading == "rings" else 1), self.MOST_SUBSTEPS)
         substeps = max(1, math.ceil(dt * rate - 1e-9))
         if substeps != self.cloth.parameters.substeps:
@@ -148,6 +153,27 @@ class CurtainSimulation:
     def release(self) -> None:
         """Free the GPU's memory."""
         self.cloth.release()
+
+
+def _spacing(m: CurtainParameters) -> tuple[float, float]:
+    """Of the vertices of the flat cloth, along a row and down a column, m."""
+    return m.width * m.fullness / m.quads[0], m.drop / m.quads[1]
+
+
+def _rate_for_bending(m: CurtainParameters, most: float) -> float:
+    """Substeps per second that a stiff cloth needs, 0 for a soft one. Raises InputError where these are more than `most`.
+
+    Bending is solved once a substep h: where D h^2 / (mass spacing^4) is larger, cloth bends as if it were softer.
+    """
+    if m.bending <= SOFT:
+        return 0.0
+    per = CONVERGED * m.mass * min(_spacing(m)) ** 4
+    if m.bending > per * most**2:
+        raise InputError(
+            f"curtain: bending = {m.bending:g} N m: with a mass of {m.mass:g} kg/m^2 and cells of {min(_spacing(m)):.3g} m it "
+            f"would be too soft beyond {max(per * most**2, SOFT):.2g}; give less, or fewer quads"
+        )
+    return math.sqrt(m.bending / per)
 
 
 def _gusts(m: CurtainParameters) -> float:

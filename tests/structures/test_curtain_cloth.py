@@ -154,6 +154,25 @@ def test_wind_blows_into_the_room_and_the_window_stops_it(hang):
     assert Plane((0.0, 0.0, 1.0), 0.0) in curtain.cloth.colliders
 
 
+def test_stiff_cloth_takes_the_steps_that_it_needs_or_is_refused(hang):
+    """Bending is solved once a substep; h^2 D / (mass cell^4) stays small, or one line says how stiff cloth may be."""
+    rates = {}
+    for bending in (3e-5, 1e-4, 9e-4):
+        curtain = hang(bending=bending, settle=0.0)
+        curtain.step(1 / 24)
+        rates[bending] = curtain.cloth.parameters.substeps * 24
+        cell = min(curtain.cloth.parameters.spacing)
+        assert bending / rates[bending] ** 2 / (0.06 * cell**4) < 0.022
+    assert rates[3e-5] == 288 < rates[1e-4] < rates[9e-4] <= 4 * 288
+    for stiff in ({"bending": 2e-3}, {"bending": 5e-4, "quads": (316, 40)}):
+        with pytest.raises(InputError, match=r"too soft beyond .*fewer quads") as caught:
+            hang(**stiff, settle=0.0)
+        assert "\n" not in str(caught.value)
+    with pytest.raises(InputError, match="too soft"):
+        curtain.change(CurtainParameters(bending=2e-3, settle=0.0))
+    assert curtain.parameters.bending == 9e-4
+
+
 def test_rings_hold_the_crests_only(hang):
     curtain = hang(heading="rings", wind=0.0, settle=1.0)
     pinned = curtain.cloth.inverse_mass[0] == 0
