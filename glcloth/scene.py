@@ -144,7 +144,7 @@ class Bookmark(Value):
 # Of each heading: length of rail that a fold takes (m), cells across it, irregularity.
 FOLDS = {
     "tape": (2.5 / 13, 158 / 13, 0.2), "rings": (2.5 / 13, 158 / 13, 0.2), "pencil": (0.1, 10.0, 0.4),
-    "eyelet": (0.16, 12.0, 0.03), "rod": (0.09, 10.0, 0.5),
+    "eyelet": (0.16, 12.0, 0.03), "rod": (0.09, 10.0, 0.2),
 }  # fmt: skip
 ABOVE_ROD = 0.07  # m, that cloth on a rod stands above the rail's height, which is just under the rod
 

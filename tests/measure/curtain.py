@@ -159,7 +159,17 @@ def wind(ctx, *cases):
     from test_simulation import crossings
 
     common.head("wind, m/s", "heading", "CPU ms a frame", "frames with crossings", "edges", "longest thread, %")
-    for case in cases or ("0.5,tape", "1,tape", "2,tape", "3,tape", "-3,tape", "3,rings", "3,pencil", "3,eyelet", "3,rod"):
+    for case in cases or (
+        "0.5,tape",
+        "1,tape",
+        "2,tape",
+        "3,tape",
+        "-3,tape",
+        "3,rings",
+        "3,pencil",
+        "3,eyelet",
+        "3,rod",
+    ):
         speed, heading = case.split(",")
         curtain = CurtainSimulation(ctx, CurtainParameters(wind=float(speed), heading=heading))
         spent, found, longest = 0.0, [], []
