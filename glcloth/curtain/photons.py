@@ -293,9 +293,7 @@ class PhotonMap:
             return
         self._nodes, self._node_count = (across, down), 2 * across * down
         width, height = self._size
-        y, x = (
-            a.ravel() for a in np.meshgrid(-np.linspace(0, height, down), np.linspace(0, width, across), indexing="ij")
-        )
+        y, x = (a.ravel() for a in np.meshgrid(-np.linspace(0, height, down), np.linspace(0, width, across), indexing="ij"))
         data = np.zeros((2, len(x), TEXELS, 4), np.uint32)
         for side, sign in enumerate((1.0, -1.0)):
             place = np.stack([x, y, np.full_like(x, sign * self._far)], 1)

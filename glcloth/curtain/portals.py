@@ -13,10 +13,7 @@ from ..color import luminance
 from ..tracing.sky import alias_table
 from ..twins.random import cosine_direction
 
-CELLS = (
-    32,
-    64,
-)  # of directions through an opening, from its normal down and around: each has the same share of even light
+CELLS = (32, 64)  # of directions through an opening, from its normal down and around: each has the same share of even light
 EVEN = 0.05  # of the photons of the sky go everywhere alike
 LEAST_SHARE = 0.1  # of the photons, of lamp and sky, where either has any power
 
