@@ -285,6 +285,19 @@ class Fabric(Value):
         out.__dict__["weights"] = self.weights
         return out
 
+    def colored(self, color: tuple[float, float, float]) -> Self:
+        """The fabric in another colour [3], linear: as if bleached, then dyed through.
+
+        A yarn reflects so much of what its brightest channel did, and light that goes through it once is coloured alike: its
+        optical depth is that of its clearest channel, less ln(color). Slanted ways are longer, and their light is deeper.
+        """
+        dye = [min(max(float(c), 1e-3), 1.0) for c in color]
+        yarns = tuple(y.changed(albedo=tuple(max(y.albedo) * c for c in dye)) for y in self.yarn)
+        t = self.transmission
+        tau = None if t is None else tuple(min(t.tau) - math.log(c) for c in dye)
+        through = {} if t is None else {"transmission": t.changed(tau=tau)}
+        return self.changed(yarn=yarns, **through)
+
     @property
     def sigma(self) -> float:
         """Width of shadowing and masking in radians."""

@@ -16,11 +16,17 @@ from ..errors import InputError
 from ..geometry.mesh import Mesh, build_mesh
 from ..geometry.shapes import grid_triangles
 from ..scene import CurtainParameters
-from ..simulation.cloth import Cloth, ClothParameters, Wind
+from ..simulation.cloth import Cloth, ClothParameters, Rail, Wind
 from ..simulation.solids import Plane
 
 # These may change while the curtain moves; for anything else it is hung anew.
-LIVE = ("wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
+SOFT = 3e-5  # N m: up to here the rate of the wind serves
+CONVERGED = 0.021  # D h^2 / (mass spacing^4): there the sag of a strip is 2.4 % more than the elastica's
+GAP = 1.05  # spacings along a row that folds keep from each other
+# Where gusts exceed 1 m/s: folds keep further apart, the cloth is not crushed through itself, and its weave locks on the bias.
+STRONG = {"gap": 1.4, "least_fold": 0.8, "shear": 40.0}
+ROD = 0.1376  # m, from the window to the middle of the built-in room's rod
+LIVE = ("color", "wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
 
 
 class CurtainSimulation:
@@ -28,30 +34,38 @@ class CurtainSimulation:
     `position_buffer` (m), `normal_buffer` (+z side), `tangent_buffer` (yarn 1, along the rail)."""
 
     # Substeps per second for gusts up to 1 m/s; beyond, in proportion to the wind's pressure, so that folds
-    # crushed under the heading stretch no thread by more than 5 %.
+    # crushed under the heading stretch no thread by more than 5 %, up to twice that wind: stronger ones lift the cloth,
+    # and the heading turns with it.
     SUBSTEP_RATE = 288
+    MOST_SUBSTEPS = 4 * SUBSTEP_RATE
     RINGS_FACTOR = 2  # under a ring the whole pleat hangs on one thread
 
     def __init__(self, ctx: moderngl.Context, parameters: CurtainParameters | None = None, settle: bool = True):
-        """Hang the curtain and let it settle; deterministic. Raises InputError as CurtainParameters does.
+        """Hang the curtain and let it settle; deterministic. Raises InputError as CurtainParameters does, and for cloth so
+        stiff that it would bend too easily.
 
         settle : False leaves that to a caller who goes through `settling()` before the first step
         """
         self.parameters = m = parameters or CurtainParameters()
+        self._least_rate = _rate_for_bending(m, self.MOST_SUBSTEPS)
         columns, rows = m.quads[0] + 1, m.quads[1] + 1
         rail = pleated_rail(m, columns)
         positions = np.empty((rows, columns, 3))
         positions[..., 0], positions[..., 2] = rail[:, 0], rail[:, 1]
-        positions[..., 1] = np.linspace(m.top, m.top - m.drop, rows)[:, None]
+        positions[..., 1] = np.linspace(m.upper, m.upper - m.drop, rows)[:, None]
         pinned = np.zeros((rows, columns), bool)
-        pinned[0] = True if m.heading == "tape" else _crests(rail[:, 1])
-        spacing = (m.width * m.fullness / m.quads[0], m.drop / m.quads[1])
+        pinned[0] = _crests(rail[:, 1]) if m.heading == "rings" else True
+        # About a rod the cloth is held where the rod is, too.
+        held = 1 + round((m.upper - m.top) * m.quads[1] / m.drop)
+        pinned[:held] |= held > 1
+        spacing = _spacing(m)
+        self._heading = positions[:held].copy()
         cloth = ClothParameters(
             spacing=spacing,
             **_material(m),
             thickness=0.01,
             # Pleats meet side by side, so a row need only heed itself, one and a half pleats to either side.
-            gap=1.05 * spacing[0],
+            gap=GAP * spacing[0],
             contact_columns=3 * m.quads[0] // (2 * m.pleats),
             # Pleats that are crushed together pull at the threads along the rail.
             rows_last=True,
@@ -73,17 +87,31 @@ class CurtainSimulation:
             for _ in self._advance(1 / 30):
                 yield k / steps
         self.cloth.time = 0.0
-        self.cloth.wind = Wind((0.0, 0.0, self.parameters.wind), self.parameters.gustiness)
+        self._blow()
         self.cloth.update_frames()
+
+    def _blow(self) -> None:
+        """Let the wind of the parameters blow from now on, and make the cloth ready for it."""
+        m, cloth = self.parameters, self.cloth
+        cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
+        strong = _gusts(m) > 1.0
+        own = {"gap": GAP, "least_fold": 0.0, "shear": m.shear} | (STRONG if strong else {})
+        own["gap"] *= cloth.parameters.spacing[0]
+        own["shear"] = max(own["shear"], m.shear)
+        cloth.set_parameters(dataclasses.replace(cloth.parameters, **own))
+        # Once it turns it may turn back.
+        if strong and m.heading != "rings" and cloth.rail is None:
+            cloth.rail = Rail(cloth.ctx, self._heading)
 
     def change(self, parameters: CurtainParameters) -> bool:
         """Take other parameters while the curtain moves; False, and nothing done, where it must be hung anew for them."""
         m = self.parameters
         if m.changed(**{name: getattr(parameters, name) for name in LIVE}) != parameters:
             return False
+        self._least_rate = _rate_for_bending(parameters, self.MOST_SUBSTEPS)
         self.parameters = m = parameters
         self.cloth.set_parameters(dataclasses.replace(self.cloth.parameters, **_material(m)))
-        self.cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
+        self._blow()
         return True
 
     @property
@@ -103,8 +131,8 @@ class CurtainSimulation:
 
     def _advance(self, dt: float) -> Iterator[None]:
         m = self.parameters
-        rate = self.SUBSTEP_RATE * max(1.0, abs(m.wind) * (1 + m.gustiness)) ** 2
-        rate *= self.RINGS_FACTOR if m.heading == "rings" else 1
+        rate = max(self.SUBSTEP_RATE * max(1.0, _gusts(m)) ** 2, self._least_rate)
+        rate = min(rate * (self.RINGS_FACTOR if m.heading == "rings" else 1), self.MOST_SUBSTEPS)
         substeps = max(1, math.ceil(dt * rate - 1e-9))
         if substeps != self.cloth.parameters.substeps:
             self.cloth.parameters = dataclasses.replace(self.cloth.parameters, substeps=substeps)
@@ -125,6 +153,32 @@ class CurtainSimulation:
     def release(self) -> None:
         """Free the GPU's memory."""
         self.cloth.release()
+
+
+def _spacing(m: CurtainParameters) -> tuple[float, float]:
+    """Of the vertices of the flat cloth, along a row and down a column, m."""
+    return m.width * m.fullness / m.quads[0], m.drop / m.quads[1]
+
+
+def _rate_for_bending(m: CurtainParameters, most: float) -> float:
+    """Substeps per second that a stiff cloth needs, 0 for a soft one. Raises InputError where these are more than `most`.
+
+    Bending is solved once a substep h: where D h^2 / (mass spacing^4) is larger, cloth bends as if it were softer.
+    """
+    if m.bending <= SOFT:
+        return 0.0
+    per = CONVERGED * m.mass * min(_spacing(m)) ** 4
+    if m.bending > per * most**2:
+        raise InputError(
+            f"curtain: bending = {m.bending:g} N m: with a mass of {m.mass:g} kg/m^2 and cells of {min(_spacing(m)):.3g} m it "
+            f"would be too soft beyond {max(per * most**2, SOFT):.2g}; give less, or fewer quads"
+        )
+    return math.sqrt(m.bending / per)
+
+
+def _gusts(m: CurtainParameters) -> float:
+    """The strongest wind, m/s."""
+    return abs(m.wind) * (1 + m.gustiness)
 
 
 def _material(m: CurtainParameters) -> dict:
@@ -150,7 +204,10 @@ def pleated_rail(parameters: CurtainParameters, columns: int) -> np.ndarray:
     ):
         t, height = _equal_pieces(wave, m.width, m.width * fullness / (columns - 1), t, height)
     z = height * wave(t)
-    return np.column_stack([(t - 0.5) * m.width, z - z.min() + m.clearance])
+    off = m.clearance - z.min()
+    if m.heading in ("eyelet", "rod"):
+        off = max(off, ROD - (z.min() + z.max()) / 2)
+    return np.column_stack([(t - 0.5) * m.width, z + off])
 
 
 def _equal_pieces(wave: CubicSpline, width: float, piece: float, t: np.ndarray, height: float) -> tuple:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -64,6 +64,21 @@ def load_room(path: str | Path = ROOM) -> Room:
     reflectances = np.array([material.color for material in data.materials], np.float32)
     names = tuple(material.name for material in data.materials)
     return Room(positions.astype(np.float32), data.material_of, reflectances, names)
+
+
+def with_rod(room: Room, width: float) -> Room:
+    """The built-in room with a rod for a rail of that length, m. Raises InputError where the walls are nearer."""
+    if width == CurtainParameters().width:
+        return room
+    if width > HIGH[0] - LOW[0] - 0.2:
+        raise InputError(
+            f"curtain: width = {width:g} m: the walls of the built-in room are {HIGH[0] - LOW[0]:g} m apart, expected at most "
+            f"{HIGH[0] - LOW[0] - 0.2:g}; make it narrower, or give a room of your own"
+        )
+    positions = room.positions.copy()
+    rod = room.material == room.names.index("metal")
+    positions[rod, :, 0] = np.sign(positions[rod, :, 0]) * np.float32(width / 2 + 0.08)
+    return replace(room, positions=positions)
 
 
 Quad = tuple[str, np.ndarray]  # material, corners [4, 3] counter-clockwise seen from the side that faces the room

@@ -29,7 +29,7 @@ from .hanging import CurtainSimulation, pleated_rail
 from .paths import CurtainPaths
 from .photons import SOURCE, Grid, PhotonMap, Photons
 from .radiosity import Radiosity
-from .room import ROOM, Room, load_room
+from .room import ROOM, Room, load_room, with_rod
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
@@ -81,13 +81,13 @@ class CurtainShow:
         """
         self.ctx = ctx
         self.scene = scene = scene or Scene(curtain=CurtainParameters())
-        self.fabric: Fabric = load_fabric(scene.fabric)
+        self.fabric: Fabric = _fabric_of(scene)
         self.environment: Environment = environment or load_environment(scene.env, scene.layer, scene.env_layout)
-        self.room: Room = load_room(scene.room or ROOM)
-        self._room = scene.room, _changed_at(scene.room)
         parameters = scene.curtain
         if parameters is None:
             raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
+        self.room: Room = load_room(scene.room) if scene.room else with_rod(load_room(ROOM), parameters.width)
+        self._room = scene.room, _changed_at(scene.room)
         if triangles is not None:
             if triangles <= len(self.room.positions):
                 raise InputError(
@@ -144,7 +144,7 @@ class CurtainShow:
 
         Raises InputError for wrong files and values.
         """
-        fabric, here = load_fabric(scene.fabric), self.scene
+        fabric, here = _fabric_of(scene), self.scene
         same = scene.room == here.room and self.simulation.change(_with_openness(scene.curtain, fabric))
         if not same:
             return False
@@ -196,7 +196,7 @@ class CurtainShow:
     def shot(self, other: Scene | None = None) -> Shot:
         """The scene as the tracer takes it; `other`: a scene whose fabric and rays to take for the same curtain."""
         s = other or self.scene
-        fabric = self.fabric if other is None else load_fabric(other.fabric)
+        fabric = self.fabric if other is None else _fabric_of(other)
         settings = TraceSettings(s.depth, min(s.spp, MOST_SPP), s.spread, s.cutoff, s.accelerator)
         lighting = Lighting(Lamp(s.lamp_position, s.lamp_intensity), s.ambient)
         return Shot(camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate)
@@ -217,7 +217,7 @@ class CurtainShow:
         if self._radiosity is None:
             m, s = self.simulation.parameters, self.simulation
             z = float(pleated_rail(m, s.columns)[:, 1].mean())
-            sheet = Sheet(-m.width / 2, m.top - m.drop, m.width / 2, m.top, z)
+            sheet = Sheet(-m.width / 2, m.upper - m.drop, m.width / 2, m.upper, z)
             self._radiosity = Radiosity(self.ctx, self.room, sheet, self._hung, (s.rows - 1, s.columns - 1))
         return self._radiosity
 
@@ -383,6 +383,13 @@ def show_at_its_frame(
 def _changed_at(room: str) -> int:
     """When the file of a room was last changed."""
     return Path(room).stat().st_mtime_ns if room and Path(room).is_file() else 0
+
+
+def _fabric_of(scene: Scene) -> Fabric:
+    """The fabric of a scene, in the colour of its curtain."""
+    fabric = load_fabric(scene.fabric)
+    color = scene.curtain.color if scene.curtain else None
+    return fabric if color is None else fabric.colored(color)
 
 
 def _with_openness(parameters: CurtainParameters, fabric: Fabric) -> CurtainParameters:

@@ -52,8 +52,10 @@ class ClothParameters:
     of the sheet along a yarn, N m. damping: share of the velocity lost per second, 1/s. drag: coefficients (across,
     along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap:
     kept between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only
-    those of one row, at most so many columns apart. hem: factor on the mass of the last row. air_substeps: for how many
-    substeps the air's force serves. rows_last: solve columns before rows; the last ones solved stretch least.
+    those of one row, at most so many columns apart. least_fold: share of their distance in the flat cloth that vertices
+    at most two rows and columns apart keep, so that it is not crushed through itself (0 = not looked at). hem: factor on
+    the mass of the last row. air_substeps: for how many substeps the air's force serves. rows_last: solve columns before
+    rows; the last ones solved stretch least.
     """
 
     spacing: tuple[float, float]
@@ -67,6 +69,7 @@ class ClothParameters:
     thickness: float = 0.003
     gap: float = 0.0
     contact_columns: int = 0
+    least_fold: float = 0.0
     hem: float = 1.0
     gravity: tuple[float, float, float] = (0.0, -9.81, 0.0)
     substeps: int = 10
@@ -80,6 +83,8 @@ class ClothParameters:
         for name, value in positive.items():
             if not value > 0:
                 raise InputError(f"cloth: {name} = {value}, must be > 0; change it")
+        if not 0 <= self.least_fold < 1:
+            raise InputError(f"cloth: least_fold = {self.least_fold}, must be from 0 to less than 1; change it")
         for name in ("shear", "bending", "damping", "friction", "thickness", "gap"):
             if not getattr(self, name) >= 0:
                 raise InputError(f"cloth: {name} = {getattr(self, name)}, must be >= 0; change it")
@@ -97,6 +102,41 @@ class ClothParameters:
         for name in ("substeps", "air_substeps"):
             if getattr(self, name) < 1:
                 raise InputError(f"cloth: {name} = {getattr(self, name)}, must be 1 or more; change it")
+
+
+class Rail:
+    """A rail along x whose heading, the first rows of a cloth, turns about it with the cloth below, as tape does on gliders.
+
+    Held in one plane, a heading's wave would be crushed through itself where strong wind lifts the cloth into that plane.
+    """
+
+    FASTEST = 12.0  # rad/s
+    BELOW = 2  # rows: the mean place of that below the heading says where the cloth goes
+
+    def __init__(self, ctx: moderngl.Context, heading: np.ndarray):
+        """`heading` [rows, columns, 3], m, at rest: level, with the rail in the middle of its last row."""
+        self.ctx, (rows, self.columns) = ctx, heading.shape[:2]
+        self.row, self.held = rows + self.BELOW, rows * self.columns
+        self.axis = float(heading[-1, 0, 1]), float(heading[..., 2].min() + heading[..., 2].max()) / 2
+        data = np.zeros((1 + self.held, 4), np.float32)
+        data[1:, :3] = heading.reshape(-1, 3) - [0.0, *self.axis]
+        self._heading = Buffer(ctx, data.tobytes())
+
+    @property
+    def angle(self) -> float:
+        """By how much it is turned, radians; positive where the cloth goes toward +z."""
+        return float(np.frombuffer(self._heading.read(), np.float32)[0])
+
+    def turn(self, buffers: dict[str, Buffer], duration: float) -> None:
+        """Let the heading turn for so many seconds."""
+        programs(self.ctx).compute("passes/simulation/heading.comp").run(
+            64, buffers, Heading=self._heading, columns=self.columns, held=self.held, hanging=self.row, axis=self.axis,
+            most=self.FASTEST * duration,
+        )  # fmt: skip
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self._heading.release()
 
 
 class Cloth:
@@ -138,6 +178,7 @@ class Cloth:
         self.quad_count = (self.rows - 1) * (self.columns - 1)
         self.table_size = 1 << max(8, (2 * self.vertex_count - 1).bit_length())
         self.wind = wind or Wind()
+        self.rail: Rail | None = None  # on which the first row turns with the cloth
         self.time = 0.0
         self.substeps_done = 0
         self.inverse_mass = 1.0 / self._masses()
@@ -196,8 +237,11 @@ class Cloth:
                 if k > 0:
                     self._advance(values, finish=True)
                     yield
+                duration = h * min(m.air_substeps, m.substeps - k)
+                if self.rail is not None:
+                    self.rail.turn(self._buffers, duration)
                 if max(m.drag) > 0:
-                    self._air(h * min(m.air_substeps, m.substeps - k))
+                    self._air(duration)
             self._advance(values, finish=not renew, begin=True)
             self._constraints(h)
             self.time += h
@@ -252,7 +296,9 @@ class Cloth:
             self._run("passes/simulation/fill.comp", V, cell_size=reach)
             self._run("passes/simulation/sort.comp", self.table_size)
             self._run("passes/simulation/near.comp", V, cell_size=reach)
-        self._run("passes/simulation/contact.comp", V, gap=m.gap, mu=m.friction)
+        folds = {"spacing": m.spacing, "least": m.least_fold} if m.least_fold else {}
+        contact = programs(self.ctx).compute("passes/simulation/contact.comp", {"FOLDS": int(m.least_fold > 0)})
+        contact.run(V, self._buffers, self._sizes, gap=m.gap, mu=m.friction, **folds)
 
     def update_frames(self) -> None:
         """Compute `normal_buffer` and `tangent_buffer` from the present positions."""
@@ -308,6 +354,8 @@ class Cloth:
         for buffer in self._buffers.values():
             buffer.release()
         self._buffers.clear()
+        if self.rail is not None:
+            self.rail.release()
 
 
 def _compliance(stiffness: float, h: float) -> float:

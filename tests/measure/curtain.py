@@ -4,12 +4,14 @@ python tests/measure/curtain.py hits      nearest hits of 100,000 rays against b
 python tests/measure/curtain.py cost      SAH cost of eleven frames against an exact tree, steps and tests of rays (minutes)
 python tests/measure/curtain.py growth [N]    whole frames at 12786, 50000 and 200000 triangles for every structure
 python tests/measure/curtain.py strain    the longest threads of 126 frames, for every fabric
+python tests/measure/curtain.py wind [M/S,HEADING ...]    edges that pass through cloth, threads and CPU time in strong wind
 python tests/measure/curtain.py light     the total transmittance of every fabric against its openness
 python tests/measure/curtain.py albedo    the albedo of four fabrics by coarser quadratures against 432,000 directions
 python tests/measure/curtain.py series FILE.png    the curtain over roughness, tau and openness
 """
 
 import sys
+import time
 
 import common
 import curtain_scenes as scenes
@@ -21,6 +23,7 @@ from glcloth.accel.queries import RayQueries
 from glcloth.accel.structure import make_structure
 from glcloth.accel.triangles import Triangles
 from glcloth.bench.curtain import bench_curtain
+from glcloth.curtain.hanging import CurtainSimulation
 from glcloth.curtain.show import CurtainShow, camera_of
 from glcloth.fabric import load_fabric
 from glcloth.gpu.context import create_context
@@ -150,6 +153,40 @@ def strain(ctx):
             common.row(name, f"{100 * max(longest):.2f} %")
 
 
+def wind(ctx, *cases):
+    """Two seconds from where the wind begins; edges through triangles by brute force, every third frame."""
+    sys.path.insert(0, str(common.TESTS / "structures"))
+    from test_simulation import crossings
+
+    common.head("wind, m/s", "heading", "CPU ms a frame", "frames with crossings", "edges", "longest thread, %")
+    for case in cases or (
+        "0.5,tape",
+        "1,tape",
+        "2,tape",
+        "3,tape",
+        "-3,tape",
+        "3,rings",
+        "3,pencil",
+        "3,eyelet",
+        "3,rod",
+    ):
+        speed, heading = case.split(",")
+        curtain = CurtainSimulation(ctx, CurtainParameters(wind=float(speed), heading=heading))
+        spent, found, longest = 0.0, [], []
+        for frame in range(48):
+            before = time.process_time()
+            curtain.step(1 / 24)
+            ctx.finish()
+            spent += time.process_time() - before
+            if frame % 3 == 2:
+                mesh = curtain.mesh()
+                found.append(crossings(mesh.positions, mesh.triangles))
+                longest.append(curtain.cloth.strain().max())
+        crossed = f"{np.count_nonzero(found)} of {len(found)}"
+        common.row(speed, heading, f"{1e3 * spent / 48:.0f}", crossed, sum(found), f"{100 * max(longest):.1f}")
+        curtain.release()
+
+
 def light(ctx):
     """Holes, yarns and reflection at normal incidence and over the hemisphere, by quadrature in float64."""
     common.head("fabric", "degrees", "openness", "holes", "yarns", "together")
@@ -229,7 +266,7 @@ def series(ctx, path):
 
 
 if __name__ == "__main__":
-    commands = {f.__name__: f for f in (hits, cost, growth, strain, light, albedo, series)}
+    commands = {f.__name__: f for f in (hits, cost, growth, strain, wind, light, albedo, series)}
     if len(sys.argv) < 2 or sys.argv[1] not in commands:
         sys.exit(__doc__)
     commands[sys.argv[1]](create_context(), *sys.argv[2:])

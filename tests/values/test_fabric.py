@@ -8,6 +8,7 @@ import pytest
 from glcloth.errors import InputError
 from glcloth.fabric import FABRICS, Yarn, builtin_fabrics, load_fabric, save_fabric
 from glcloth.twins.cloth import f_cloth
+from glcloth.twins.sheet import absorption
 
 SIX = ("linen", "silk_crepe_de_chine", "satin_charmeuse_front", "satin_charmeuse_back", "silk_shot", "velvet")
 
@@ -101,3 +102,21 @@ def test_more_light_than_there_is_is_told_and_can_be_limited(tmp_path, capsys):
     assert most[0] == pytest.approx(given.largest_albedo, rel=0.08) and 0.9 < most[1] < 1.08
     built_in = load_fabric("satin_charmeuse_front")
     assert built_in.weights.tolist() == built_in._weights.tolist()
+
+
+def test_a_colour_dyes_what_shines_through():
+    """Reflection and light straight through are coloured alike, in place of the fabric's own colour, deeper at a slant."""
+    linen = load_fabric("linen_curtain")
+    color = np.array([0.8, 0.3, 0.05])
+    white, dyed = linen.colored((1, 1, 1)), linen.colored(color)
+    for before, after in zip(white.yarn, dyed.yarn, strict=True):
+        assert np.ptp(before.albedo) == 0.0
+        np.testing.assert_allclose(np.array(after.albedo) / before.albedo, color)
+    t_0, t = white.transmission, dyed.transmission
+    assert set(t_0.tau) == {min(linen.transmission.tau)} and t.rho == linen.transmission.rho
+    for cos, power in ((1.0, 1.0), (0.5, 2.0)):
+        out = np.array([0.0, np.sqrt(1 - cos**2), cos])
+        ratio = absorption(out, out, np.array(t.tau)) / absorption(out, out, np.array(t_0.tau))
+        np.testing.assert_allclose(ratio, color**power, rtol=1e-6)
+    assert dyed.colored((0, 0, 0)).transmission.tau[0] < 8
+    assert load_fabric("linen").colored((0.5, 0.5, 0.5)).transmission is None

@@ -4,7 +4,18 @@ import numpy as np
 import pytest
 
 from glcloth.curtain.hanging import CurtainParameters, pleated_rail
-from glcloth.curtain.room import HIGH, LOW, MATERIALS, ROOM, WINDOW_HIGH, WINDOW_LOW, load_room, room_text, save_room
+from glcloth.curtain.room import (
+    HIGH,
+    LOW,
+    MATERIALS,
+    ROOM,
+    WINDOW_HIGH,
+    WINDOW_LOW,
+    load_room,
+    room_text,
+    save_room,
+    with_rod,
+)
 from glcloth.errors import InputError
 
 
@@ -18,6 +29,15 @@ def first_hits(triangles, origin, directions):
     q = np.cross(s, u)
     b_1, b_2, t = f * np.sum(s * h, -1), f * np.sum(directions[:, None] * q, -1), f * np.sum(v * q, -1)
     return np.where((b_1 >= 0) & (b_2 >= 0) & (b_1 + b_2 <= 1) & (t > 1e-6), t, np.inf).min(axis=1)
+
+
+def test_the_rod_is_as_long_as_the_rail():
+    room = load_room()
+    assert with_rod(room, 2.5) is room
+    wide, metal = with_rod(room, 3.0).positions, room.material == room.names.index("metal")
+    assert np.allclose(np.abs(wide[metal, :, 0]), 1.58) and np.array_equal(wide[~metal], room.positions[~metal])
+    with pytest.raises(InputError, match=r"width = 3.9 m.*at most 3.8"):
+        with_rod(room, 3.9)
 
 
 def test_curtain_and_room_have_12786_triangles():

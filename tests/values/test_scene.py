@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from glcloth.cli import generate
+from glcloth.cli.options import scene_of
 from glcloth.cli.scene_options import SceneOptions
 from glcloth.color import VIEW_TRANSFORMS
 from glcloth.errors import InputError
@@ -120,3 +121,35 @@ def test_a_change_leaves_the_rest_the_same_object():
     assert Scene(fabric=fabric).changed(exposure=1.0).fabric is fabric
     with pytest.raises(InputError, match="scene: exposure = 99"):
         Scene().changed(exposure=99)
+
+
+def test_a_curtain_as_it_is_ordered():
+    """Pleats and grid follow from width, drop and heading, anew with each change, until they are said."""
+    narrow = CurtainParameters(width=1.4, drop=1.15)
+    assert (narrow.pleats, narrow.quads) == (7, (85, 20))
+    assert narrow.changed(heading="pencil").pleats == 14 and narrow.changed(pleats=9).changed(width=2.5).pleats == 9
+    assert narrow.changed(width=2.5, drop=2.3) == CurtainParameters()
+    assert CurtainParameters(quads=(72, 18), pleats=6, width=1.0).quads == (72, 18)
+    assert CurtainParameters.parse(narrow.model_dump()) == narrow
+    for change, said in (
+        ({"drop": 2.5}, "at most 2.4"), ({"color": "reddish"}, "a colour's name"), ({"color": (0.1, 0.2, 1.5)}, "color"),
+        ({"heading": "hooks"}, "eyelet"), ({"width": "wide"}, "width"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=said) as caught:
+            CurtainParameters.parse(change)
+        assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("said", "is_"),
+    [
+        ("0.5,0.25,0", (0.5, 0.25, 0.0)),
+        ("#ff8000", (1.0, 0.2159, 0.0)),
+        ("white", (1.0, 1.0, 1.0)),
+        ("#f00", (1, 0, 0)),
+    ],
+)
+def test_colours_of_curtains(said, is_):
+    scene = scene_of("curtain", SceneOptions(color=said, width=1.8, heading="eyelet"))
+    assert scene.curtain.color == pytest.approx(is_, abs=1e-4) and scene.curtain.pleats == 11
+    assert Scene.parse(scene.model_dump()) == scene

@@ -13,6 +13,11 @@ uniform isamplerBuffer NearCount;
 uniform int vertex_count;
 uniform float gap;   // m
 uniform float mu;
+#if FOLDS == 1
+uniform int columns;
+uniform vec2 spacing;   // m, along a row and down a column
+uniform float least;    // share of their distance in the flat cloth that neighbours keep
+#endif
 
 void main() {
     int index = item();
@@ -37,5 +42,22 @@ void main() {
         contacts += touches ? 1.0 : 0.0;
         k++;
     } while (k < count);
+#if FOLDS == 1
+    int i = index / columns;
+    int j = index - i * columns;
+    int last_row = vertex_count / columns - 1;
+    for (int n = 0; n < 25; n++) {
+        ivec2 step = ivec2(n % 5 - 2, n / 5 - 2);
+        ivec2 at = ivec2(j, i) + step;
+        bool there_is = n != 12 && at.x >= 0 && at.y >= 0 && at.x < columns && at.y <= last_row;
+        int other = there_is ? at.y * columns + at.x : index;
+        vec4 there = texelFetch(Position, other);
+        float keep = least * length(vec2(step) * spacing);
+        vec3 e = here.xyz - there.xyz;
+        bool folded = there_is && dot(e, e) < keep * keep;
+        sum += folded ? part(here.xyz, there.xyz, here.w, there.w, keep, vec3(0.0), 0.0) : vec3(0.0);
+        contacts += folded ? 1.0 : 0.0;
+    }
+#endif
     shift[index] = vec4(contacts > 0.0 ? sum / contacts : vec3(0.0), 0.0);
 }
