@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import moderngl
 import numpy as np
@@ -123,8 +123,13 @@ class PathPictures:
             self._tracer = PathTracer(self.ctx)
         return self._tracer
 
-    def steps(self, frame: Frame, target: moderngl.Framebuffer, pace: Pace) -> Iterator[tuple[int, int]]:
-        """Trace a frame into a framebuffer; yields (samples finished, samples at most) after each step. Raises InputError."""
+    def steps(
+        self, frame: Frame, target: moderngl.Framebuffer, pace: Pace, patience: Callable[[], float] | None = None
+    ) -> Iterator[tuple[int, int]]:
+        """Trace a frame into a framebuffer; yields (samples finished, samples at most) after each step. Raises InputError.
+
+        patience : seconds that a step may take; with it the framebuffer is left alone until the end, see `draw`
+        """
         check_path(frame)
         scene, tracer = frame.scene, self.tracer
         tracer.take(self._world.get(lambda: world_of(frame), frame.cloths, frame.objects))
@@ -138,11 +143,11 @@ class PathPictures:
         }
         view = PathView(frame.camera, scene.size, behind, scene.background, 24 if scene.bounce else 1)
         total = samples_of(scene.spp, scene.noise)
-        steps: Iterator[Progress] = tracer.steps(view, total, scene.noise)
+        steps: Iterator[Progress] = tracer.steps(view, total, scene.noise, patience)
         if pace.announce:
             steps = followed(steps, tracer.batch, total, scene.noise)
         for progress in steps:
-            if progress.pixels == 0 and not pace.announce:
+            if progress.pixels == 0 and not pace.announce and patience is None:
                 self.draw(target)
             yield progress.samples, total
         self.draw(target)
