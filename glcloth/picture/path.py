@@ -93,7 +93,8 @@ def _maps(cloth: Cloth, uv_scale: float) -> Maps:
 
 def _painted(materials: Sequence[Material], material_of: np.ndarray) -> Painted | None:
     """The pictures of an object; None where it has none."""
-    pictures, number = [], np.full(len(materials), -1)
+    pictures: list[np.ndarray] = []
+    number = np.full(len(materials), -1)
     for k, material in enumerate(materials):
         if (codes := base_picture(material)) is not None:
             number[k] = len(pictures)
