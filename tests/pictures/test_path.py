@@ -200,7 +200,7 @@ def test_a_white_bowl_under_even_light(renderer, bounce, expected):
 def test_a_sun_on_the_ground_is_exact(renderer):
     direction = np.array([0.3, 0.8, 0.2]) / np.linalg.norm([0.3, 0.8, 0.2])
     dark = SphericalGaussians(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3)))
-    lights = Lights(dark, Suns(direction[None], np.array([[2.0, 1.0, 0.5]])))
+    lights = Lights(dark, Suns(direction[None], np.array([[2.0, 1.0, 0.5]]), 0.0))
     view = glcloth.View(eye=(0.0, 3.0, 0.01), target=(0.0, 0.0, 0.0), fov_deg=40.0)
     look = {"method": "path", "ground": 0.0, "ground_color": (0.5, 0.5, 0.5), "size": (16, 12), "spp": 4}
     far = Mesh.from_arrays(shifted(9.0, 0.1, 0), plane().triangles, name="far")
