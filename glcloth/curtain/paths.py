@@ -14,7 +14,8 @@ from ..geometry.mesh import Mesh
 from ..gpu.environment_map import EnvironmentMap
 from ..gpu.memo import Last
 from ..light.environment import rotation_y
-from ..tracing.path import PathTracer, PathView, PathWorld, Progress
+from ..tracing.path import PathTracer, PathView, Progress
+from ..tracing.path_world import PathWorld
 from ..tracing.shot import Shot
 from .charts import make_charts
 from .form_factors import facing_the_room, find_openings

@@ -260,6 +260,25 @@ class Renderer:
         if frame.scene.background:
             self._background.draw(frame, target.framebuffer)
 
+    def path_steps(
+        self, frame: Frame, target: moderngl.Framebuffer, patience: Callable[[], float]
+    ) -> Iterator[tuple[int, int]]:
+        """Trace a frame of method `path` into a framebuffer of its size, for a caller with other things to do in between:
+        yields (samples finished, samples at most); `draw_paths` draws them. The end is what `draw` makes, bit for bit.
+
+        patience : seconds that the next step may take
+
+        Raises InputError for what paths cannot show.
+        """
+        self._check()
+        check_stopped()
+        self._last = frame
+        yield from self._paths.steps(frame, target, Pace(), patience)
+
+    def draw_paths(self, target: moderngl.Framebuffer) -> None:
+        """Draw the mean of the samples so far of the last `path_steps`."""
+        self._paths.draw(target)
+
     def _trace(self, pace: Pace) -> None:
         """Trace the missing directions of the vertices, or as many as a first impression needs."""
         seeing = [surface.visibility for surface in self.stage.surfaces]

@@ -14,7 +14,6 @@ from ..accel.ground import OverGround
 from ..accel.structure import Structure, make_structure
 from ..accel.triangles import Triangles
 from ..color import luminance
-from ..fabric import Fabric
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import Buffer, TextureBuffer
@@ -27,6 +26,7 @@ from ..visibility.hit_vertices import HitSurface, HitVertices
 from ..visibility.sheets import Sheets, sight
 from .energy import mean_albedo, reflection_limit
 from .lamp import Lamp
+from .path_world import PathPictureArray, PathWorld
 from .sky import Sky
 
 STRUCTURE = "lbvh"
@@ -38,27 +38,6 @@ TEXELS = 3  # of passes/tracing/path.comp
 SAMPLES = 64  # of a picture that says neither how many nor how little noise; one sample shows nothing
 MOST_SAMPLES = 1 << 20  # of one that says how little noise
 LEAST_SAMPLES = 16  # before the noise is believed
-
-
-@dataclass(frozen=True, eq=False)
-class PathWorld:
-    """What paths meet.
-
-    Parameters
-    ----------
-    cloths : meshes with their fabrics, at least one
-    solids : other meshes with what each triangle reflects, [T, 3], all matt
-    ground : height and reflectance [3] of a plane without end; None: there is none
-    """
-
-    cloths: tuple[tuple[Mesh, Fabric], ...]
-    solids: tuple[tuple[Mesh, np.ndarray], ...] = ()
-    ground: tuple[float, tuple[float, float, float]] | None = None
-
-    @property
-    def key(self) -> tuple:
-        """What its buffers are made of."""
-        return self.cloths, self.solids, self.ground
 
 
 class PathView(NamedTuple):
@@ -152,6 +131,7 @@ class PathTracer:
         self._triangles: Triangles | None = None
         self._solid, self._cloth, self._fabric = TextureBuffer(ctx, 16), TextureBuffer(ctx, 64), TextureBuffer(ctx, 16)
         self._sums = Buffer(ctx, 16)
+        self._pictures = PathPictureArray(ctx)
         self._built: Last[None] = Last()
         self._dressed: Last[None] = Last()
         self._size = (0, 0)
@@ -161,16 +141,16 @@ class PathTracer:
         """Take what paths meet."""
         self._world = world
         meshes = tuple(mesh for mesh, _ in (*world.cloths, *world.solids))
-        sheer = tuple(fabric.transmission is not None for _, fabric in world.cloths)
-        self._built.get(lambda: self._build(meshes, sheer), meshes, sheer)
+        passing = world.passing
+        self._built.get(lambda: self._build(meshes, passing), meshes, passing)
         self._dressed.get(self._dress, *world.key)
 
-    def _build(self, meshes: tuple[Mesh, ...], sheer: tuple[bool, ...]) -> None:
+    def _build(self, meshes: tuple[Mesh, ...], passing: tuple[bool, ...]) -> None:
         if self._triangles is not None:
             self._triangles.release()
         corners = np.concatenate([mesh.positions[mesh.triangles] for mesh in meshes])
         # Material 0 is what light passes through.
-        material = [np.full(len(mesh.triangles), k >= len(sheer) or not sheer[k]) for k, mesh in enumerate(meshes)]
+        material = [np.full(len(mesh.triangles), k >= len(passing) or not passing[k]) for k, mesh in enumerate(meshes)]
         self._triangles = Triangles.of(self.ctx, corners, np.concatenate(material).astype(int))
         self._tree.build(self._triangles)
         self._hits.prepare([HitSurface(mesh, mesh) for mesh in meshes], self._triangles)
@@ -179,7 +159,7 @@ class PathTracer:
         """Upload what surfaces reflect and let through."""
         fabrics = [fabric for _, fabric in self._world.cloths]
         ends = np.cumsum([len(mesh.triangles) for mesh, _ in self._world.cloths])
-        rows = np.zeros((len(fabrics), 6, 4), "f4")
+        rows = np.zeros((len(fabrics), 7, 4), "f4")
         stride = 16 * (4 + int(constant("MAX_TANGENTS")))
         records = b""
         for row, fabric, end in zip(rows, fabrics, ends, strict=True):
@@ -192,13 +172,15 @@ class PathTracer:
                 row[5, :2] = t.roughness, t.roughness_p
             row[4, :3] = row[3, 2] * mean_albedo(fabric)
             records += fabric_records(fabric).ljust(stride, b"\0")
+        pictures = self._pictures.take(self._world)
+        rows[:, 5, 2:], rows[:, 6] = pictures.of_cloths, pictures.repeats
         self._cloth.write(rows)
         self._fabric.write(records)
         solid = [reflectance for _, reflectance in self._world.solids]
         ground = self._world.ground[1] if self._world.ground is not None else (0.0, 0.0, 0.0)
         colors = np.concatenate([*solid, np.reshape(ground, (1, 3))])
-        self._solid.write(np.pad(colors, ((0, 0), (0, 1))).astype("f4"))
-        self._sheer = self._sheets.prepare([fabric.transmission for fabric in fabrics])
+        self._solid.write(np.concatenate([colors, pictures.of_solids[:, None]], 1).astype("f4"))
+        self._sheer = self._sheets.prepare([fabric.transmission for fabric in fabrics], any(self._world.passing))
 
     def _inputs(self, view: PathView) -> dict[str, Any]:
         right, up, _ = view.camera.axes
@@ -211,6 +193,7 @@ class PathTracer:
             **self.sky.inputs(),
             **view.environment,
             **self.fabric_inputs(),
+            **self._pictures.inputs(),
             "solid_data": self._solid,
             "cloth_count": len(world.cloths),
             "cloth_triangles": self._hits.first_triangle[len(world.cloths)],
@@ -243,6 +226,8 @@ class PathTracer:
 
     def _program(self) -> Compute:
         defines, virtual, _ = sight(self._structure, self._sheer, "inputs/tracing/sight_either.glsl")
+        if self._pictures.any:
+            defines = {**defines, "PICTURES": 1}
         virtual["sky.glsl"] = self.sky.source
         if self._sheer is not None:
             virtual["sight.glsl"] = "inputs/tracing/sight_sheer.glsl"
@@ -309,7 +294,17 @@ class PathTracer:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        parts = self.sky, self._hits, self._sheets, self._tree, self._solid, self._cloth, self._fabric, self._sums
+        parts = (
+            self.sky,
+            self._hits,
+            self._sheets,
+            self._tree,
+            self._solid,
+            self._cloth,
+            self._fabric,
+            self._sums,
+            self._pictures,
+        )
         for one in parts:
             one.release()
         if self._triangles is not None:

@@ -27,10 +27,11 @@ class Sheets:
         self._hit_vertices = hit_vertices
         self.transmissions: tuple[Transmission | None, ...] = ()
 
-    def prepare(self, transmissions: Sequence[Transmission | None]) -> Sheets | None:
-        """Take the cloths, whose surfaces are the first of the hit vertices; returns itself, or None where all are opaque."""
+    def prepare(self, transmissions: Sequence[Transmission | None], always: bool = False) -> Sheets | None:
+        """Take the cloths, whose surfaces are the first of the hit vertices; returns itself, or None where all are opaque,
+        but `always` itself."""
         self.transmissions = tuple(transmissions)
-        if not any(self.transmissions):
+        if not (any(self.transmissions) or always):
             return None
         rows = np.zeros((len(transmissions), 2, 4), "f4")
         for row, t in zip(rows, transmissions, strict=True):

@@ -17,7 +17,8 @@ HUNG = (
 CURVE = ("curve_angles_deg", "curve_lengths", "samples", "tangents_deg")  # edited together, in a plot
 # Fields that only one method reads: shown with that method.
 METHOD_FIELDS = {
-    method: tuple(entry.name for entry in entries(Scene) if entry.of == method) for method in get_args(MethodName)
+    method: tuple(entry.name for entry in entries(Scene) if entry.of == method)
+    for method in (*get_args(MethodName), "path")
 }
 
 

@@ -11,6 +11,7 @@ from functools import partial
 from typing import Any
 
 import moderngl
+import numpy as np
 
 from ..errors import InputError
 from ..fabric import Fabric
@@ -22,16 +23,20 @@ from ..gpu.screen import draw_screen
 from ..light.environment import rotation_y
 from ..methods import registry
 from ..picture.frame import Frame, default_camera
+from ..picture.path import check_path
 from ..picture.renderer import Renderer
 from ..picture.warm_up import warm_up
+from ..progress import warn
 from ..scene import MAPS, Scene
+from ..tracing.denoise import denoised
 from ..visibility.vertices import FEWEST
 from .clock import now, timed
 from .pictures import Targets
 from .resources import Ready
 from .slices import BUDGET, Slices, refining
 
-METHODS = tuple(registry.METHODS)
+METHODS = (*registry.METHODS, "path")
+AFRESH = 0.3  # seconds between two looks at a path-traced picture that goes on
 PREVIEW = 0.028  # seconds of shading a picture while something changes
 HASTE = 1.7  # by how much the first picture after a rest is smaller still
 LADDER = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # by how much a preview is smaller than the picture
@@ -60,6 +65,7 @@ class Refiner(Slices):
         self._directions = 4  # of the shadows, at a time
         self._mapped: list[Fabric] = []  # those of the last complete picture
         self._sketch: Last[Fabric] = Last()
+        self._samples = 0  # of a path-traced picture under way
         self._cold = True  # some programs that edits of the weave may need are not compiled
         self._warming: Iterator[None] | None = None
 
@@ -106,6 +112,8 @@ class Refiner(Slices):
         """How far the picture is, in words."""
         unfinished = [side for side in self.sides if side.share < 1.0]
         state = f"{self.full_ms:.0f} ms, {self.covered} pixels covered" if self.full_ms else "done"
+        if self._samples and unfinished:
+            return [f"path: {self._samples} samples; preview {self.preview_ms:.0f} ms"]
         if unfinished:
             state = refining(min(unfinished, key=lambda side: side.share))
         return [f"{scene.method}: {state}; preview {self.preview_ms:.0f} ms"]
@@ -125,7 +133,8 @@ class Refiner(Slices):
         """Draw frames as small as can be, and show nothing. Raises ShaderError."""
         programs(self.ctx).screen(COPY)
         for frame in frames:
-            tiny = frame.scene.model_copy(update={"size": (16, 16), "spp": 1})
+            method = "direct" if frame.scene.method == "path" else frame.scene.method
+            tiny = frame.scene.model_copy(update={"size": (16, 16), "spp": 1, "method": method})
             self.renderer.draw(replace(frame, scene=tiny))
 
     def release(self) -> None:
@@ -138,7 +147,7 @@ class Refiner(Slices):
 
     def _all(self) -> Iterator[bool]:
         """Previews of all sides, then each at full size; yields whether something new is to be seen."""
-        self._refining = False
+        self._refining, self._samples = False, 0
         hasty = True
         while True:
             self._again = False
@@ -157,7 +166,7 @@ class Refiner(Slices):
         for number, frame in enumerate(frames):
             yield from self._between(number, frame)
         for number, frame in enumerate(frames):
-            yield from self._at(number, frame, 1.0, "full")
+            yield from self._paths(number, frame) if _by_paths(frame) else self._at(number, frame, 1.0, "full")
         self._mapped = [frame.fabric for frame in frames]
         self.covered = self.renderer.covered_pixels()
 
@@ -264,6 +273,26 @@ class Refiner(Slices):
             self.sides[number].share = 1.0
         yield True
 
+    def _paths(self, number: int, frame: Frame) -> Iterator[bool]:
+        """Trace one frame by paths; what its samples come to so far is shown now and then, until all are there."""
+        side = self.sides[number]
+        target = self._targets.get(f"paths {number}", frame.scene.size, side.texture)
+        shown, seen = 0, 0.0
+        steps = self.renderer.path_steps(frame, target.framebuffer, lambda: max(self._until - now(), 0.25 * BUDGET))
+        for (done, total), _ in timed(steps):
+            side.share, self._samples = min(done / total, 0.999), done
+            fresh = shown < done < total and now() - seen > AFRESH
+            if fresh:
+                self.renderer.draw_paths(target.framebuffer)
+                side.show(target.texture)
+                shown, seen = done, now()
+            yield fresh
+        if frame.scene.denoise:
+            target.texture.write(np.ascontiguousarray(denoised(self.renderer.path_sums())[::-1], "f4"))
+        side.show(target.texture)
+        side.share = 1.0
+        yield True
+
     def _take(self, number: int, stage: str, frame: Frame, scale: float, done: int = 1, total: int = 1) -> None:
         """Copy the renderer's picture into a texture of the side; a partial sum is filled up with the shown picture."""
         side, spp = self.sides[number], frame.scene.spp
@@ -283,6 +312,18 @@ class Refiner(Slices):
         if partial and frame.scene.background:
             self.renderer.draw_background(frame, target.framebuffer)
         side.show(target.texture, scale)
+
+
+def _by_paths(frame: Frame) -> bool:
+    """Whether method `path` is chosen, and can show what is there; else `direct` stands in for it."""
+    if frame.scene.method != "path":
+        return False
+    try:
+        check_path(frame)
+    except InputError as fault:
+        warn(f"{fault}; the window shows direct")
+        return False
+    return True
 
 
 def _same_light(new: Frame, old: Frame) -> bool:

@@ -37,17 +37,18 @@ class Lambertian(PathTracer):
 
     def _dress(self):
         super()._dress()
-        rows = np.zeros((1, 6, 4), "f4")
+        rows = np.zeros((1, 7, 4), "f4")
         t = self._world.cloths[0][1].transmission
         end = len(self._world.cloths[0][0].triangles)
         rows[0, 1], rows[0, 2, 3] = (t.rho, t.k_a, t.k_t, t.diffuse), end
         rows[0, 3] = t.eta_1, t.eta_2, 1.0, 1.0
         rows[0, 4, :3] = self.albedo
+        rows[0, 5, 2:] = -1.0
         self._cloth.write(rows)
 
     def _program(self):
         text = (Path(glcloth.__file__).parents[1] / "glsl" / INCLUDE).read_text()
-        head, rest = text.split("// Radiance toward omega_o per unit", 1)
+        head, _rest = text.split("// Radiance toward omega_o per unit", 1)
         text = (
             head
             + """

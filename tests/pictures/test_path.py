@@ -1,8 +1,11 @@
 """Method `path`: what it draws has the density it says, and its pictures are closed forms or those of the reference."""
 
+import io
+
 import moderngl
 import numpy as np
 import pytest
+from PIL import Image
 from scipy import stats
 
 import glcloth
@@ -11,14 +14,19 @@ from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.geometry.mesh import Mesh
 from glcloth.geometry.props import Objects
+from glcloth.geometry.raw import Material
 from glcloth.gpu.buffers import Buffer
 from glcloth.gpu.programs import programs
 from glcloth.light.environment import Environment
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.picture.cloths import Cloth
+from glcloth.picture.openings import Opacity
 from glcloth.picture.pace import Pace
 from glcloth.picture.path import PathPictures
+from glcloth.picture.prints import Print
 from glcloth.tracing.energy import mean_albedo, reflection_limit
-from glcloth.tracing.path import PathTracer, PathWorld
+from glcloth.tracing.path import PathTracer
+from glcloth.tracing.path_world import PathWorld
 from glcloth.tracing.sky import alias_cells, alias_table
 from glcloth.twins.cloth import f_cloth
 from glcloth.twins.sheet import R_limited, R_sheet, T_lambert, T_straight
@@ -192,7 +200,7 @@ def test_a_white_bowl_under_even_light(renderer, bounce, expected):
 def test_a_sun_on_the_ground_is_exact(renderer):
     direction = np.array([0.3, 0.8, 0.2]) / np.linalg.norm([0.3, 0.8, 0.2])
     dark = SphericalGaussians(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3)))
-    lights = Lights(dark, Suns(direction[None], np.array([[2.0, 1.0, 0.5]])))
+    lights = Lights(dark, Suns(direction[None], np.array([[2.0, 1.0, 0.5]]), 0.0))
     view = glcloth.View(eye=(0.0, 3.0, 0.01), target=(0.0, 0.0, 0.0), fov_deg=40.0)
     look = {"method": "path", "ground": 0.0, "ground_color": (0.5, 0.5, 0.5), "size": (16, 12), "spp": 4}
     far = Mesh.from_arrays(shifted(9.0, 0.1, 0), plane().triangles, name="far")
@@ -269,3 +277,55 @@ def held_buffers(thing, seen=None):
     else:
         parts = list(vars(thing).values()) if type(thing).__module__.startswith("glcloth") else []
     return [buffer for part in parts for buffer in held_buffers(part, seen)]
+
+
+RED, LEFT_OPEN = (0.5, 0.2, 0.1), np.repeat([[[0.0], [0.0], [1.0], [1.0]]], 2, 0).astype(np.float32)
+
+
+def test_prints_colour_the_yarns(renderer):
+    fabric = load_fabric("linen")
+    colors = np.array([[RED, RED, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0)]], np.float32)
+    cloth = Cloth(plane(), fabric, Print(colors, (1.0, 1.0), False))
+    theta = 0.4
+    view = glcloth.View(eye=(0.0, *(3 * slanted(theta, np.pi / 2)[1:])), target=(0, 0, 0), ortho=1.0)
+    look = dict(method="path", light="map", environment=WHITE, size=(32, 16), camera=view, spp=64)
+    renderer.render(cloths=[cloth], **look)
+    picture = renderer.path_sums().picture
+    for part, color in ((picture[:, 6:10], RED), (picture[:, 22:26], (1.0, 1.0, 1.0))):
+        expected = albedo_of(fabric.dyed(color), slanted(theta, np.pi / 2))
+        np.testing.assert_allclose(part[..., :3].mean((0, 1)), expected, rtol=0.03)
+
+
+@pytest.mark.parametrize("name", ["linen", "sheer_voile"])
+def test_openings_are_seen_and_lit_through(renderer, name):
+    """A sun over cloth whose left half is open, over a ground: there both see the ground as if there was no cloth."""
+    dark = SphericalGaussians(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3)))
+    lights = Lights(dark, Suns(np.array([[0.0, 1.0, 0.0]]), np.full((1, 3), 2.0)))
+    flat = Mesh.from_arrays(plane().positions[:, [0, 2, 1]] * [1, 1, -1], plane().triangles, plane().uv, name="flat")
+    cloth = Cloth(flat, load_fabric(name), opacity=Opacity(LEFT_OPEN, (1.0, 1.0), False))
+    view = glcloth.View(eye=(0.0, 3.0, 0.0), target=(0.0, 0.0, 0.0), up=(0.0, 0.0, -1.0), ortho=1.0)
+    look = dict(method="path", ground=-0.2, ground_color=(0.5, 0.5, 0.5), size=(32, 16), camera=view, lights=lights)
+    picture = np.asarray(renderer.render(cloths=[cloth], spp=4, bounce=False, **look))
+    light = 0.5 * 2.0 / np.pi
+    np.testing.assert_allclose(picture[:, 6:10, :3], light, rtol=0.02)
+    # Under the cloth itself the ground is dark, or dimmed by two layers: seen from below its half-plane, from aside.
+    aside = glcloth.View(eye=(3.0, -0.1, 0.0), target=(0.5, -0.2, 0.0), ortho=0.02)
+    under = np.asarray(renderer.render(cloths=[cloth], spp=4, **{**look, "camera": aside, "bounce": False}))
+    t = cloth.fabric.transmission
+    T = 0.0 if t is None else T_straight(np.array([0.0, 0, 1]), t.k_a, t.k_t, np.array(t.tau), t.rho, t.diffuse).max()
+    ground = under[10:, :, :3].mean()
+    assert ground < light * (T + 0.02)
+
+
+def test_pictures_on_objects(renderer):
+    file = io.BytesIO()
+    Image.fromarray(np.array([[[255, 0, 0], [255, 0, 0], [0, 0, 255], [0, 0, 255]]], np.uint8)).save(file, "png")
+    paper = Material("paper", (0.5, 0.5, 0.5), texture=file.getvalue())
+    wall = plane()
+    objects = Objects((wall,), (np.full((2, 3), 0.5),), materials=((paper,),), material_of=(np.zeros(2, int),))
+    far = Mesh.from_arrays(shifted(0, -9.0, 0), plane().triangles, name="far")
+    view = glcloth.View(eye=(0, 0, 3.0), target=(0, 0, 0), ortho=1.0)
+    look = dict(method="path", light="map", environment=WHITE, size=(32, 16), camera=view, spp=64)
+    picture = np.asarray(renderer.render(mesh=far, objects=objects, **look))
+    np.testing.assert_allclose(picture[:, 6:10, :3].mean((0, 1)), [0.5, 0, 0], atol=0.01)
+    np.testing.assert_allclose(picture[:, 22:26, :3].mean((0, 1)), [0, 0, 0.5], atol=0.01)

@@ -19,7 +19,8 @@ from glcloth.scene import Scene
 from glcloth.tracing.denoise import denoised
 from glcloth.tracing.energy import mean_albedo, reflection_limit
 from glcloth.tracing.lamp import Lamp
-from glcloth.tracing.path import PathTracer, PathView, PathWorld
+from glcloth.tracing.path import PathTracer, PathView
+from glcloth.tracing.path_world import PathWorld
 from glcloth.twins.sheet import R_limited, R_sheet, T_open, T_sheet
 
 DARK = Environment.from_array(np.full((8, 16, 3), 1e-9), name="dark")

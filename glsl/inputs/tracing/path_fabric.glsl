@@ -1,7 +1,7 @@
 // The fabrics of all cloths of the path tracer: their reflectance, exactly, and directions drawn from its lobes.
 // glcloth/tracing/path.py fills the buffers: of each cloth (tangents of yarn 0, of yarn 1, sigma_mask, gap), (rho, k_a, k_t,
 // diffuse), (tau, the triangle behind its last), (eta_1, eta_2, factor of the reflectance, 1 if it lets light through), (albedo, -),
-// (roughness, roughness_p, -, -);
+// (roughness, roughness_p, the pictures of the print and of the opacity), (how often both repeat in a UV unit);
 // and the records of inputs/picture/fabric.glsl, FABRIC_TEXELS a cloth.
 #include "core/shared.glsl"
 #include "fibre/frame.glsl"
@@ -20,11 +20,13 @@ struct Fabric {
     float sigma;
     float gap;
     float limit;
+    vec3 tint;        // of the yarns' colours
 };
 
 Fabric fetch_fabric(int cloth) {
     vec4 p = texelFetch(cloth_data, CLOTH_TEXELS * cloth);
-    return Fabric(FABRIC_TEXELS * cloth, ivec2(p.xy), p.z, p.w, texelFetch(cloth_data, CLOTH_TEXELS * cloth + 3).z);
+    return Fabric(FABRIC_TEXELS * cloth, ivec2(p.xy), p.z, p.w, texelFetch(cloth_data, CLOTH_TEXELS * cloth + 3).z,
+        vec3(1.0));
 }
 
 // One tangent with its yarn.
@@ -42,7 +44,7 @@ Thread fetch_thread(Fabric fabric, int t) {
     int j = t < fabric.tangents.x ? 0 : 1;
     vec4 p = texelFetch(fabric_data, fabric.first + 2 * j), q = texelFetch(fabric_data, fabric.first + 2 * j + 1);
     vec4 r = texelFetch(fabric_data, fabric.first + 4 + t);
-    return Thread(j, p.xyz, p.w, q.x, q.y, q.z, Tangent(r.x, r.y, r.z, r.w));
+    return Thread(j, fabric.tint * p.xyz, p.w, q.x, q.y, q.z, Tangent(r.x, r.y, r.z, r.w));
 }
 
 float luminance(vec3 color) { return dot(color, vec3(0.2126, 0.7152, 0.0722)); }

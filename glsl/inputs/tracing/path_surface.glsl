@@ -8,13 +8,17 @@
 uniform isamplerBuffer hit_corners;  // three a triangle, in the order that hits are weighted in
 uniform samplerBuffer hit_vertices;  // three texels a vertex: position, normal, tangent with the handedness
 #endif
-uniform samplerBuffer solid_data;    // of each triangle of the objects what it reflects, then of the ground
+uniform samplerBuffer solid_data;    // of each triangle of the objects what it reflects, its picture; then of the ground
+#ifdef PICTURES
+uniform sampler2DArray surface_pictures;  // the first row at v = 0
+uniform samplerBuffer surface_uv;    // of each vertex
+#endif
 uniform samplerBuffer cloth_data;    // CLOTH_TEXELS a cloth, see inputs/tracing/path_fabric.glsl
 uniform int cloth_count;
 uniform int cloth_triangles;         // of all cloths; the objects' follow
 uniform int solid_triangles;
 
-const int CLOTH_TEXELS = 6;
+const int CLOTH_TEXELS = 7;
 const float OFFSET = 0.02;           // of the triangle's size: how far rays start from it
 const float FLAT_OFFSET = 2e-5;      // of a flat one, of the distance from the origin
 const float GROUND_OFFSET = 1e-5;    // of the distance
@@ -44,6 +48,32 @@ Point ground_point(vec3 o, vec3 d, float t) {
     vec3 color = d.y < 0.0 ? texelFetch(solid_data, solid_triangles).rgb : vec3(0.0);
     return Point(-1, color, mat3(x, cross(N, x), N), N, p + off * N, p - off * N);
 }
+
+#ifdef PICTURES
+vec2 uv_at(int triangle, vec2 at) {
+    vec2 a = texelFetch(surface_uv, texelFetch(hit_corners, 3 * triangle).x).xy;
+    vec2 b = texelFetch(surface_uv, texelFetch(hit_corners, 3 * triangle + 1).x).xy;
+    vec2 c = texelFetch(surface_uv, texelFetch(hit_corners, 3 * triangle + 2).x).xy;
+    return (1.0 - at.x - at.y) * a + at.x * b + at.y * c;
+}
+
+// A picture at a place; without one (-1) white. A pixel's samples are its filter.
+vec3 picture_at(float number, vec2 at) {
+    return number < 0.0 ? vec3(1.0) : textureLod(surface_pictures, vec3(at, number), 0.0).rgb;
+}
+
+// How much of a place is closed by cloth.
+float closed_at(int cloth, vec2 uv) {
+    vec4 maps = texelFetch(cloth_data, CLOTH_TEXELS * cloth + 5), repeats = texelFetch(cloth_data, CLOTH_TEXELS * cloth + 6);
+    return picture_at(maps.w, uv * repeats.zw).r;
+}
+
+// What the colours of its yarns are multiplied by.
+vec3 printed_at(int cloth, vec2 uv) {
+    vec4 maps = texelFetch(cloth_data, CLOTH_TEXELS * cloth + 5), repeats = texelFetch(cloth_data, CLOTH_TEXELS * cloth + 6);
+    return picture_at(maps.z, uv * repeats.xy);
+}
+#endif
 
 // The point where a ray along d meets a triangle.
 Point point_at(int triangle, vec2 at, vec3 d) {

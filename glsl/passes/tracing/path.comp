@@ -1,7 +1,8 @@
 #version 430
 // Progressive path tracing: some samples of every pixel of a part of the picture, added to sums.   [Kajiya 1986; own]
 // Light is sampled at every vertex (a sun; the lamp; a direction of the sky, weighted by the balance heuristic against those that
-// the surface draws   [Veach 1995]), and paths end by Russian roulette. Defines: SHEER, where cloth lets light through.
+// the surface draws   [Veach 1995]), and paths end by Russian roulette. Defines: SHEER, where cloth lets light through;
+// PICTURES, where there are prints, openings or objects with pictures.
 // Few samples a dispatch (glcloth/tracing/path.py): loops may end silently after 65,535 iterations.
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
@@ -67,10 +68,17 @@ vec3 corner_of(int triangle, int k) {
 uniform bool spread;  // what yarns let through is drawn from its lobes, instead of the narrow ones going straight on
 
 // The share of light that goes straight on.
-vec3 straight_through(Sheet sheet) {
-    if (!spread || sheet.number < 0) return T_s_of(sheet);
-    vec4 p = texelFetch(sheet_data, 2 * sheet.number);
-    return vec3(p.y * T_open(sheet.omega, p.x));
+vec3 straight_through(Visit visit, vec3 d) {
+    Sheet sheet = sheet_at(visit, d);
+    vec3 T = T_s_of(sheet);
+    if (spread && sheet.number >= 0) {
+        vec4 p = texelFetch(sheet_data, 2 * sheet.number);
+        T = vec3(p.y * T_open(sheet.omega, p.x));
+    }
+#ifdef PICTURES
+    T = mix(vec3(1.0), T, closed_at(cloth_of(int(visit.triangle)), uv_at(int(visit.triangle), visit.weights)));
+#endif
+    return T;
 }
 #endif
 
@@ -94,7 +102,7 @@ vec3 light_left(vec3 o, vec3 d, float reach) {
         vec4 hit = meet_triangle(ray, corner_of(t, 0), corner_of(t, 1), corner_of(t, 2));
         visit.triangle = uint(t);
         visit.weights = hit.yz;
-        T *= straight_through(sheet_at(visit, d));
+        T *= straight_through(visit, d);
         visit.latest = uvec4(visit.latest.yzw, visit.earlier.x);
         visit.earlier.xyz = visit.earlier.yzw;
     }
@@ -283,9 +291,26 @@ void meet(inout Path path, Visit visit, inout Sample one) {
     else point = point_at(int(visit.triangle), visit.weights, path.d);
     vec3 omega_o = -path.d * point.frame;
     Fabric fabric = fetch_fabric(max(point.cloth, 0));
+#ifdef PICTURES
+    if (visit.triangle != GROUND) {
+        vec2 uv = uv_at(int(visit.triangle), visit.weights);
+        if (point.cloth < 0) {
+            point.reflectance *= picture_at(texelFetch(solid_data, int(visit.triangle) - cloth_triangles).w, uv);
+        } else {
+#ifdef SHEER
+            if (rnd().x >= closed_at(point.cloth, uv)) {
+                go_straight(path, vec3(1.0), visit.t);
+                return;
+            }
+#endif
+            fabric.tint = printed_at(point.cloth, uv);
+        }
+    }
+#endif
     if (one.cover == 0.0) {
         one.N = point.frame[2];
-        one.albedo = point.cloth < 0 ? point.reflectance : texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 4).rgb;
+        one.albedo = point.cloth < 0 ? point.reflectance
+            : fabric.tint * texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 4).rgb;
         one.cover = 1.0;
     }
     vec2 chances = vec2(1.0, 0.0);

@@ -1,0 +1,130 @@
+"""What paths meet: cloths, objects, a ground; and the pictures on them, on the GPU."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import moderngl
+import numpy as np
+
+from ..fabric import Fabric
+from ..geometry.mesh import Mesh
+from ..gpu.buffers import TextureBuffer
+from ..gpu.pictures import even_size, picture_array, resampled
+
+MOST_TEXELS = 1 << 24  # of all pictures together, 128 MiB
+
+
+class Map(NamedTuple):
+    """A picture [H, W, 3 or 1] over the UVs, linear, the first row at v = 0, and how often it repeats in a UV unit."""
+
+    texels: np.ndarray
+    repeats: tuple[float, float] = (1.0, 1.0)
+
+
+class Maps(NamedTuple):
+    """What the colours of a cloth's yarns are multiplied by, and how much of a place is closed."""
+
+    print: Map | None = None
+    opacity: Map | None = None
+
+
+class Painted(NamedTuple):
+    """Pictures of an object, and the number of each triangle's [T], -1: none. They multiply what it reflects."""
+
+    pictures: tuple[np.ndarray, ...]
+    picture_of: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class PathWorld:
+    """What paths meet.
+
+    Parameters
+    ----------
+    cloths : meshes with their fabrics, at least one
+    solids : other meshes with what each triangle reflects, [T, 3], all matt
+    ground : height and reflectance [3] of a plane without end; None: there is none
+    maps : of the cloths; (): none has any
+    painted : the objects' pictures; (): none has any
+    """
+
+    cloths: tuple[tuple[Mesh, Fabric], ...]
+    solids: tuple[tuple[Mesh, np.ndarray], ...] = ()
+    ground: tuple[float, tuple[float, float, float]] | None = None
+    maps: tuple[Maps, ...] = ()
+    painted: tuple[Painted | None, ...] = ()
+
+    @property
+    def key(self) -> tuple:
+        """What its buffers are made of."""
+        return self.cloths, self.solids, self.ground, self.maps, self.painted
+
+    @property
+    def passing(self) -> tuple[bool, ...]:
+        """Whether light may pass each cloth."""
+        opened = [maps.opacity is not None for maps in self.maps] or [False] * len(self.cloths)
+        return tuple(
+            fabric.transmission is not None or open_ for (_, fabric), open_ in zip(self.cloths, opened, strict=True)
+        )
+
+
+class Numbers(NamedTuple):
+    """Numbers of pictures: of each cloth's print and opacity [C, 2] with their repeats [C, 4], of each triangle of the objects
+    and of the ground [T + 1]; -1: none."""
+
+    of_cloths: np.ndarray
+    repeats: np.ndarray
+    of_solids: np.ndarray
+
+
+class PathPictureArray:
+    """The pictures of a world in one array, and the UVs of its vertices."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self.any = False
+        self._uv = TextureBuffer(ctx, 16)
+        self._array: moderngl.TextureArray | None = None
+
+    def take(self, world: PathWorld) -> Numbers:
+        """Upload them."""
+        layers: list[np.ndarray] = []
+        of_cloths, repeats = np.full((len(world.cloths), 2), -1.0), np.ones((len(world.cloths), 4))
+        for k, maps in enumerate(world.maps):
+            for which, one in enumerate(maps):
+                if one is not None:
+                    of_cloths[k, which], repeats[k, 2 * which : 2 * which + 2] = len(layers), one.repeats
+                    layers.append(np.broadcast_to(one.texels, (*one.texels.shape[:2], 3)))
+        of_solids = [np.full(len(mesh.triangles), -1.0) for mesh, _ in world.solids]
+        for numbers, painted in zip(of_solids, world.painted, strict=False):
+            if painted is not None:
+                numbers[:] = np.where(painted.picture_of < 0, -1.0, painted.picture_of + len(layers))
+                layers += painted.pictures
+        self.any = bool(layers)
+        if self.any:
+            self._put(layers, [mesh for mesh, _ in (*world.cloths, *world.solids)])
+        return Numbers(of_cloths, repeats, np.concatenate([*of_solids, [-1.0]]))
+
+    def _put(self, layers: list[np.ndarray], meshes: list[Mesh]) -> None:
+        self._release_array()
+        height, width = (max(layer.shape[k] for layer in layers) for k in (0, 1))
+        size = even_size(height, width, MOST_TEXELS // len(layers))
+        self._array = picture_array(self.ctx, np.stack([resampled(layer, size) for layer in layers]))
+        uv = [np.zeros((len(mesh.positions), 2)) if mesh.uv is None else np.nan_to_num(mesh.uv) for mesh in meshes]
+        self._uv.write(np.pad(np.concatenate(uv), ((0, 0), (0, 2))).astype("f4"))
+
+    def inputs(self) -> dict[str, Any]:
+        """By their names in GLSL."""
+        return {"surface_pictures": self._array, "surface_uv": self._uv} if self.any else {}
+
+    def _release_array(self) -> None:
+        if self._array is not None:
+            self._array.release()
+        self._array = None
+
+    def release(self) -> None:
+        """Free the GPU's memory."""
+        self._release_array()
+        self._uv.release()

@@ -1,0 +1,47 @@
+"""Method `path` in the window: it goes on while it is shown, and begins again when anything changes."""
+
+import numpy as np
+
+from glcloth.window.refine import METHODS, Refiner
+
+
+def drawn(refiner):
+    """The picture of the first side, top row first."""
+    texture = refiner.sides[0].texture
+    return np.frombuffer(texture.read(), "f4").reshape(texture.size[1], texture.size[0], 4)[::-1]
+
+
+def finish(refiner):
+    while not refiner.idle:
+        refiner.work(10.0)
+
+
+def test_it_is_shown_while_it_goes_on_and_begins_again(ctx, renderer, monkeypatch):
+    assert "path" in METHODS
+    monkeypatch.setattr("glcloth.window.refine.AFRESH", 0.0)
+    look = dict(mesh="drape", fabric="linen", method="path", size=(32, 24), spp=12, env="sky", light="sg")
+    refiner = Refiner(ctx)
+    frames = [refiner.renderer.prepare(**look)]
+    refiner.show(frames)
+    states, noise = set(), []
+    while not refiner.idle:
+        if refiner.work(1e-4) and refiner._samples:
+            states.add(refiner.status(frames[0].scene)[0].split(";")[0])
+            noise.append(drawn(refiner).astype(float))
+    assert {"path: 4 samples", "path: 8 samples"} <= states
+    whole = np.asarray(renderer.render(**look))
+    np.testing.assert_array_equal(drawn(refiner)[..., :3], whole[..., :3])
+    # Another camera in the middle of it: no sample of the old one stays.
+    other = renderer.prepare(**look, camera=frames[0].camera.__class__((0.5, 0.9, 2.0), (0.0, 0.5, 0.0)))
+    refiner.show([renderer.prepare(**look, env_rotate=90.0)])
+    while not refiner._samples:
+        refiner.work(1e-4)
+    refiner.show([other])
+    finish(refiner)
+    np.testing.assert_array_equal(drawn(refiner)[..., :3], np.asarray(renderer.render_frame(other))[..., :3])
+    # What it cannot show is shown by direct.
+    catcher = renderer.prepare(**{**look, "ground": "catcher"})
+    refiner.show([catcher])
+    finish(refiner)
+    assert refiner.sides[0].share == 1.0 and not refiner._samples
+    refiner.release()
