@@ -1,15 +1,17 @@
 """Every command and code block of README.md and docs/*.md as printed, and every example, in a fresh clone after `make demo`.
 
-python tests/measure/docs.py [--documents README.md,...] [--examples] [--keep]
+python tests/measure/docs.py [--documents README.md,...] [--examples] [--keep] [--clone FOLDER]
 
 Each document has a folder of its own, and its commands run there in order with .venv/bin on the path; examples run in
 a folder that is not the checkout. Commands that open a window get a virtual display (make tools) and are closed after
-eight seconds. `make test` and what needs a rented service is named and left out. A table says seconds and exit codes;
-exit 1 if anything failed or an example took more than 60 s.
+eight seconds. `pip install 'glcloth[EXTRA]'` installs that extra of the clone, also where an example asks for it; `dask`
+runs in the background until its document ends. `make test` and what needs a rented service is named and left out. A table
+says seconds and exit codes; exit 1 if anything failed or an example took more than 60 s.
 """
 
 import argparse
 import os
+import re
 import shlex
 import shutil
 import signal
@@ -25,6 +27,8 @@ import documents
 SHOWN = 8.0  # seconds that a window is open
 LEFT_OUT = (["make", "test"], ["make", "lint"], ["make", "docs"])
 LONGEST = 60.0  # seconds of an example
+EXTRA = re.compile(r"pip install '?glcloth\[(\w+)\]")
+STARTING = 20.0  # seconds until a program in the background answers
 
 
 def run(words, folder, environment):
@@ -62,10 +66,12 @@ def main():
     parser.add_argument("--documents", type=lambda text: text.split(","))
     parser.add_argument("--examples", action="store_true", help="only the examples")
     parser.add_argument("--keep", action="store_true", help="keep the clone")
+    parser.add_argument("--clone", type=Path, help="one that was kept, instead of a fresh one")
     options = parser.parse_args()
     home = Path(tempfile.mkdtemp(prefix="glcloth-docs-"))
-    clone = home / "glcloth"
-    subprocess.run(["git", "clone", "-q", documents.ROOT, clone], check=True)
+    clone = options.clone or home / "glcloth"
+    if options.clone is None:
+        subprocess.run(["git", "clone", "-q", documents.ROOT, clone], check=True)
     environment = {k: v for k, v in os.environ.items() if k not in ("PYTHONPATH", "VIRTUAL_ENV")}
     environment |= {"GLCLOTH_CACHE": str(home / "cache"), "PATH": f"{clone}/.venv/bin:{os.environ['PATH']}"}
     failures = 0
@@ -78,7 +84,29 @@ def main():
         said = " ".join(shlex.join(words).split())[:100]
         print(f"| {seconds:7.1f} s | {code} | `{said}` | {line[:160] if bad else ''} |", flush=True)
 
-    told(["make", "demo"], clone)
+    def installed(extra):
+        told(["python", "-m", "pip", "install", "-q", "-e", f"{clone}[{extra}]"], home)
+
+    def typed(document, own):
+        """Run what a document prints."""
+        behind = []
+        for words in jobs(clone / document.relative_to(documents.ROOT)):
+            said = shlex.join(words)
+            if extra := EXTRA.match(said.replace("'", "")):
+                installed(extra[1])
+            elif words[0] == "dask":
+                behind.append(subprocess.Popen(words, cwd=own, env=environment, stderr=subprocess.DEVNULL))
+                time.sleep(STARTING)
+            elif words in LEFT_OUT or words[0] not in ("make", "glcloth", "python"):
+                print(f"| left out | | `{said}` | |", flush=True)
+            else:
+                told(words, clone if words[0] == "make" else own)
+        for process in behind:
+            process.terminate()
+            process.wait()
+
+    if options.clone is None:
+        told(["make", "demo"], clone)
     folder = home / "elsewhere"
     folder.mkdir()
     if not options.examples:
@@ -87,12 +115,12 @@ def main():
                 continue
             own = home / document.stem
             own.mkdir()
-            for words in jobs(clone / document.relative_to(documents.ROOT)):
-                if words in LEFT_OUT or words[0] not in ("make", "glcloth", "python"):
-                    print(f"| left out | | `{shlex.join(words)}` | |")
-                else:
-                    told(words, clone if words[0] == "make" else own)
-    for example in sorted((clone / "examples").glob("*.py")):
+            typed(document, own)
+    for example in [] if options.documents else sorted((clone / "examples").glob("*.py")):
+        for extra in set(re.findall(r'^needs\("\w+", "(\w+)"\)', example.read_text(encoding="utf-8"), re.M)):
+            code, _, line = run(["python", str(example)], folder, environment)
+            if code and EXTRA.search(line):
+                installed(extra)
         told(["python", str(example)], folder, LONGEST)
     if not options.keep:
         shutil.rmtree(home)
