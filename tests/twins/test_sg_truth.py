@@ -162,7 +162,8 @@ def test_T_is_the_mean_of_W_under_a_gaussian(rng):
         omega_o = omega_o * np.sign(omega_o[2])
         t = checked % 3
         yarn, tilt, _ = fabric[0][t]
-        inside = tangent_from_surface(omega_i, yarn, np.cos(tilt), np.sin(tilt))[..., 2] > 0
+        local, (low, high) = tangent_from_surface(omega_i, yarn, np.cos(tilt), np.sin(tilt)), convolution.domain(tilt)
+        inside = (local[..., 2] > 0) & (local[..., 0] > np.sin(low)) & (local[..., 0] < np.sin(high))
         G = np.exp(sharpness * (omega_i @ xi - 1)) * inside
         if G.max() < 1e-3:
             continue
