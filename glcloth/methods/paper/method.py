@@ -43,6 +43,7 @@ class Paper(Method):
         self._weave: Last[str] = Last()
         self._tables: Last[dict[str, Any]] = Last()
         self._tangents = self._count = self._segments = self._slices = 0
+        self._upright = False
 
     def prepare(self, fabric: Fabric, lights: Lights, settings: Settings, part: int | None = None) -> None:
         """Make and upload the tables when the weave or their parameters changed.
@@ -56,6 +57,7 @@ class Paper(Method):
         self._segments, self._count, self._tangents = segments, len(lights.gaussians), len(fabric.tangents)
         self.broad = np.zeros(self._count)
         # The tables know W but for its numerators: those, and `part` with them, are read from the fabric's records.
+        self._upright = any(theta_end(t.tilt) < np.pi / 2 for t in fabric.tangents)
         weave = self._weave.get(lambda: repr(shapes_of(fabric)), fabric)
         self._tables.get(lambda: self._upload(tables_for(fabric, grid, contribution), fabric), weave, grid, contribution)
 
@@ -84,6 +86,10 @@ class Paper(Method):
     def woven_packing(self) -> tuple[int, int]:
         """In the order of the tangents."""
         return -(-self._tangents // 4), 4
+
+    def defines(self) -> dict[str, Any]:
+        """Whether there are upright tangents, whose domain ends early: an edit makes others only with new tables."""
+        return {"UPRIGHT": 1} if self._upright else {}
 
     def inputs(self) -> dict[str, Any]:
         """What inputs/methods/paper.glsl declares, but for the range of a pass."""

@@ -50,11 +50,24 @@ float fetch_T_W(int shape, vec2 at_xi, vec2 at_o, float level) {
 }
 
 // A Gaussian that ends at `end`, integrated twice at u; `seen` is where it is last seen, and `gaussian` its value there.
+// Without UPRIGHT no tangent's domain ends before its hemisphere.
 vec3 integrated(vec3 u, vec3 end, vec3 slope, out vec3 seen, out vec3 gaussian) {
+#ifdef UPRIGHT
     seen = min(u, end);
     gaussian = exp(-seen * seen);
     return cut_integrated(seen, gaussian, max(u - end, 0.0), slope);
+#else
+    seen = u;
+    gaussian = exp(-u * u);
+    return twice_integrated(u, gaussian);
+#endif
 }
+
+#ifdef UPRIGHT
+#define HAT(before, here, after, u, gaussian, left) cut_hat_integral(before, here, after, u, gaussian, step, left)
+#else
+#define HAT(before, here, after, u, gaussian, left) hat_integral(before, here, after, u, gaussian, step)
+#endif
 
 // (I_s, I_v / A) of one tangent and one Gaussian: integrals of G f_s cos(theta_i) over the tangent's hemisphere up to
 // theta_i = theta_end >= 0.   [Miz 11-16]
@@ -94,8 +107,8 @@ vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn, float theta_end) {
         vec3 after_u = integrated(next_u, end, slope, next_seen_u, next_g_u);
         vec3 after_w = integrated(next_w, end, slope, next_seen_w, next_g_w);
         vec2 left = (theta_end - vec2(theta, -theta)) / width;
-        vec3 weight_u = scale * cut_hat_integral(before_u, here_u, after_u, seen_u, g_u, step, left.x);
-        vec3 weight_w = scale * cut_hat_integral(before_w, here_w, after_w, seen_w, g_w, step, left.y);
+        vec3 weight_u = scale * HAT(before_u, here_u, after_u, seen_u, g_u, left.x);
+        vec3 weight_w = scale * HAT(before_w, here_w, after_w, seen_w, g_w, left.y);
         float cos_half = cos(0.5 * theta);
         float sin_half = sin(0.5 * theta);
         float cos_theta = 2.0 * cos_half * cos_half - 1.0;
