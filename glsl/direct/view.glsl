@@ -1,8 +1,7 @@
-// Directions omega_o as points of a disk that is finer toward its rim, the horizon: there less of the light's way varies with
-// the height of omega_o than with its cosine.   [own]
+// Directions omega_o as points of a disk that is finer toward its rim, the horizon, or toward its middle.   [own]
 // Twin: glcloth/twins/view.py
 
-// [own]  The point of a direction above the horizon, by projection from `rim` times as deep as by stereographic projection.
+// [own]  The point of a direction above the horizon, where texels are `rim` times as many a radian; 1: stereographic.
 vec2 to_view(vec3 omega, float rim) {
     return omega.xy / (1.0 + rim * omega.z);
 }

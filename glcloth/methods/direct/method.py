@@ -341,7 +341,9 @@ def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, 
     if level == 0:
         spread = 1.0 / np.sqrt(spread)
         height = height + np.log2(spread)
-    return np.stack([kept, spread, height, (kept_cut - kept) / MOST_CUT, (spread_cut - spread) / MOST_CUT], 1).astype("f4")
+    return np.stack([kept, spread, height, (kept_cut - kept) / MOST_CUT, (spread_cut - spread) / MOST_CUT], 1).astype(
+        "f4"
+    )
 
 
 def _phi_rule(pairs: int) -> np.ndarray:

@@ -59,7 +59,9 @@ class Paper(Method):
         # The tables know W but for its numerators: those, and `part` with them, are read from the fabric's records.
         self._upright = any(theta_end(t.tilt) < np.pi / 2 for t in fabric.tangents)
         weave = self._weave.get(lambda: repr(shapes_of(fabric)), fabric)
-        self._tables.get(lambda: self._upload(tables_for(fabric, grid, contribution), fabric), weave, grid, contribution)
+        self._tables.get(
+            lambda: self._upload(tables_for(fabric, grid, contribution), fabric), weave, grid, contribution
+        )
 
     def _upload(self, tables: Tables, fabric: Fabric) -> dict[str, Any]:
         kind = texel_type(tables)

@@ -261,9 +261,7 @@ def working_rank(contribution: float, columns: int) -> int:
     return min(columns, int(np.interp(np.log10(1 - contribution), [-4, -3, -2, -1], [1280, 704, 320, 192])))
 
 
-def _nodes(
-    sharpness: float, columns: np.ndarray, rows: slice = ALL_ROWS
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _nodes(sharpness: float, columns: np.ndarray, rows: slice = ALL_ROWS) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(nodes in theta, in phi, columns [nodes, nodes, C]) on which sums with the Gaussian equal those over the cells to
     about 1e-6. Only these `rows` of cells in theta hold anything.
 
