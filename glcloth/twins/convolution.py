@@ -12,6 +12,9 @@ from .quadrature import graded
 from .scatter import angles
 from .weight import M, P
 
+# |tilt| from which on the domain of T and I is cut, and at which it ends at the horizon of N.
+UPRIGHT = np.radians(36), np.radians(46)
+
 
 def W(t, omega_i, omega_o, tangents, weights, gap, sigma):
     """The weight of tangent t [...], without its factor in the sum; 0 for omega_i below the horizon of N.   [Miz 6]"""
@@ -25,11 +28,21 @@ def W(t, omega_i, omega_o, tangents, weights, gap, sigma):
     return np.where((omega_i[..., 2] > 0) & (Q > 0), value, 0.0)
 
 
+def theta_end(tilt):
+    """Where the domain of T and of I ends in theta_i, on the side to which the tangent leans.   [own]
+
+    W vanishes below the horizon of N, which hides theta_i > pi / 2 - |tilt| of a tangent's hemisphere. Of flat tangents that
+    is little; of upright ones it is half, whose light I must not hold. Between the two the end moves smoothly.
+    """
+    lean = np.clip((np.abs(tilt) - UPRIGHT[0]) / (UPRIGHT[1] - UPRIGHT[0]), 0, 1)
+    return np.pi / 2 - np.abs(tilt) * lean * lean * (3 - 2 * lean)
+
+
 def T_W(t, xi, omega_o, sharpness, tangents, weights, gap, sigma, panels=24):
     """The mean of W of tangent t under one Gaussian, for one xi [3] and one omega_o [3].   [Miz 9]
 
-    The numerator is over the directions above both horizons, N's and the tangent's; the denominator over the tangent's,
-    as the integrals I are: their product then has the light of the hemisphere of N.
+    The numerator is over the directions above both horizons, N's and the tangent's; the denominator over the tangent's
+    up to `theta_end`, as the integrals I are: their product then has the light of the hemisphere of N.
     """
     yarn, tilt, _ = tangents[t]
     axes = np.stack(tangent_axes(yarn, np.cos(tilt), np.sin(tilt)))
@@ -57,10 +70,17 @@ def T_W(t, xi, omega_o, sharpness, tangents, weights, gap, sigma, panels=24):
         above_N,
         lambda omega_i: W(t, omega_i, omega_o, tangents, weights, gap, sigma),
     )
-    return lit / integral(-np.pi / 2, np.pi / 2, lambda theta: np.full_like(theta, np.pi / 2), lambda omega_i: 1.0)
+    low, high = domain(tilt)
+    return lit / integral(low, high, lambda theta: np.full_like(theta, np.pi / 2), lambda omega_i: 1.0)
 
 
-def I_terms(xi, omega_o, sharpness, eta, k_d, gamma_s, gamma_v, segments):
+def domain(tilt):
+    """The ends of theta_i of T and of I."""
+    end = theta_end(tilt)
+    return (-np.pi / 2, end) if tilt >= 0 else (-end, np.pi / 2)
+
+
+def I_terms(xi, omega_o, sharpness, eta, k_d, gamma_s, gamma_v, segments, tilt=0.0):
     """(I_s, I_v / A) of one tangent, for xi [3] and omega_o [3] in its frame, by theta segments.   [Miz 11-16]"""
     (theta_k, phi_k), (theta_o, phi_o) = angles(xi), angles(omega_o)
     theta = np.linspace(-np.pi / 2, np.pi / 2, segments + 1)[1:-1]  # at the ends cos^2(theta_i) is 0, and so is h
@@ -73,7 +93,7 @@ def I_terms(xi, omega_o, sharpness, eta, k_d, gamma_s, gamma_v, segments):
 
     def integral(h, mu, width):
         nodes = np.linspace(-np.pi / 2, np.pi / 2, segments + 1)
-        return line.piecewise(nodes, np.concatenate([[0.0], h, [0.0]]), mu, width)
+        return line.piecewise(nodes, np.concatenate([[0.0], h, [0.0]]), mu, width, *domain(tilt))
 
     def lobe(h, gamma):
         mu, sharpness_3, alpha = g_c_product(theta_k, sharpness, -theta_o, 2 / (2 * gamma) ** 2)
@@ -96,7 +116,7 @@ def L_o(omega_o, xi, sharpness, L, yarns, tangents, weights, gap, sigma, segment
         y = yarns[yarn]
         for xi_k, sharpness_k, L_k in zip(xi, sharpness, L, strict=True):
             i = tangent_from_surface(np.asarray(xi_k, float), yarn, np.cos(tilt), np.sin(tilt))
-            I_s, I_v = I_terms(i, o, sharpness_k, y["eta"], y["k_d"], y["gamma_s"], y["gamma_v"], segments)
+            I_s, I_v = I_terms(i, o, sharpness_k, y["eta"], y["k_d"], y["gamma_s"], y["gamma_v"], segments, tilt)
             weight = weights[t][0] * T(t, xi_k, omega_o, sharpness_k, tangents, weights, gap, sigma)
             out += L_k * weight * (I_s + np.asarray(y["A"]) * I_v)
     return out

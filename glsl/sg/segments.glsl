@@ -20,3 +20,20 @@ vec3 hat_integral(vec3 before, vec3 here, vec3 after, vec3 u, vec3 gaussian, vec
     vec3 series = step * gaussian * (1.0 + step * step * (4.0 * u * u - 2.0) / 12.0);
     return mix(difference, series, lessThan(step, vec3(0.2)));
 }
+
+// [own]  As twice_integrated of a Gaussian that ends at `end`: behind it a straight line. u = min(u, end) already,
+// gaussian = exp(-u^2), over = how far behind the end, slope = sqrt(pi) / 2 erf(end).
+vec3 cut_integrated(vec3 u, vec3 gaussian, vec3 over, vec3 slope) {
+    return twice_integrated(u, gaussian) + slope * over;
+}
+
+// [own]  As hat_integral of a Gaussian that ends `left` node distances behind the node (before it where negative): the nodes'
+// values are those of cut_integrated, and u is where the Gaussian is last seen, at the node or at its end.
+vec3 cut_hat_integral(vec3 before, vec3 here, vec3 after, vec3 u, vec3 gaussian, vec3 step, float left) {
+    // Moments of the part of the hat that is left, before the node and behind it.
+    float y = clamp(1.0 + left, 0.0, 1.0), z = clamp(left, 0.0, 1.0);
+    float y2 = y * y, z2 = z * z;
+    vec3 m = vec3(0.5 * y2 + z - 0.5 * z2, 0.5 * z2 - (y2 * y + 2.0 * z2 * z) / 6.0, y2 * y2 / 12.0 + z2 * z * (1.0 / 3.0 - 0.25 * z));
+    vec3 series = step * gaussian * (m.x + step * (-2.0 * m.y * u + step * (2.0 * u * u - 1.0) * m.z));
+    return mix(hat_integral(before, here, after, u, gaussian, step), series, lessThan(max(5.0 * step, left), vec3(1.0)));
+}

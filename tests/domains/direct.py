@@ -4,7 +4,7 @@ import numpy as np
 
 from glcloth.twins.slots import ANGLE_SERIES
 
-from . import DEG, between, directions, log_between
+from . import DEG, above_horizon, between, directions, log_between
 
 HALF = np.pi / 2
 
@@ -56,6 +56,8 @@ def azimuth_of_node(rng, count):
 
 JOINT = {"scatter_slots": two_directions, "scatter_pair": azimuth_of_node}
 DOMAINS = {
+    "rim": between(0.5, 3.0, 1.0),
+    "p": lambda rng, count: rng.uniform(-1.2, 1.2, (count, 2)),
     "angle": between(0.0, np.pi, HALF),
     "width": log_between(1.5e-3, 1.5),
     "xi": off_zenith,
@@ -76,6 +78,7 @@ DOMAINS = {
     "cos_half_phi_d": four(0.0, 1.0),
 }
 SPECIAL = {
+    ("to_view", "omega"): above_horizon,
     ("tangent_slots", "along"): four(-1.0, 1.0),
     ("tangent_slots", "z"): between(-1.0, 1.0),
     ("tangent_slots", "cos_tilt"): four(0.0, 1.0),

@@ -50,6 +50,8 @@ DOMAINS = {
     "here": _three(0, 10),
     "after": _three(0, 10),
     "step": _steps,
+    "left": between(-1.5, 1.5, -1.0, 0.0, 1.0),
+    "over": _three(0, 10),
     "gaussian": _three(0, 1),
     "phi_k": between(-np.pi, np.pi, 0.0, HALF, -HALF),
     "kappa_prime": log_between(1e-5, 1e4),
@@ -76,8 +78,10 @@ SPECIAL = {
     ("node_terms", "cos_theta"): between(0.0, 1.0),
     ("node_terms", "cos_theta_d"): between(0.5, 1.0),
     ("node_terms", "slope"): between(0.5, 2.0),
+    ("cut_integrated", "slope"): _three(-0.9, 0.9),
     # Further out the series loses digits, where exp(-u^2) leaves less than 1e-5 of it; here `gaussian` is free.
     ("hat_integral", "u"): _three(-1.5, 1.5),
+    ("cut_hat_integral", "u"): _three(-1.5, 1.5),
 }
 TOLERANCE = {
     "gaussian_direction": (1e-3, 1e-4),  # opposite to the axis 2 - below loses digits
@@ -87,6 +91,8 @@ TOLERANCE = {
     "node_terms": (3e-5, 1.6e-3),
     # The series leaves out about step^4 / 15 at step = 0.2.
     "hat_integral": (1.2e-4, 1e-5),
+    # Half a hat leaves out step^3 / 15 as well; what is left of a sliver is lost in the rounding of the whole.
+    "cut_hat_integral": (1.2e-4, 2e-4),
     # exp(-lost) with lost up to 100: relative error 100 x 6e-8 x the rounding of lost; angles of up to pi.
     "g_c_product": (1e-4, 3e-6),
     "theta_gaussians": (1e-4, 3e-6),

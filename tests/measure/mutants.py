@@ -38,11 +38,12 @@ ROOMS = {
     ),
     "accel": (
         "glsl/trace/*.glsl glsl/inputs/accel/*.glsl glsl/passes/accel/*.comp",
-        "tests/twins/test_twins.py tests/structures/test_accel.py tests/structures/test_structures.py",
+        "tests/twins/test_twins.py tests/structures/test_accel.py tests/structures/test_structures.py "
+        "tests/pictures/test_tracer.py",
     ),
     "tracing": (
         "glsl/passes/tracing/*.comp glsl/inputs/tracing/*.glsl glcloth/tracing/*.py",
-        "tests/pictures/test_tracer.py tests/pictures/test_curtain_views.py",
+        "tests/pictures/test_tracer.py tests/pictures/test_path.py tests/pictures/test_curtain_views.py",
     ),
     "simulation": (
         "glsl/simulate/*.glsl glsl/passes/simulation/*.comp glcloth/simulation/cloth.py",

@@ -26,8 +26,8 @@ def T_at(found, placement, level):
 
 @pytest.fixture(scope="module")
 def skew():
-    """An asymmetric weave and its tables on a small grid, nothing truncated."""
-    fabric = weave([-35, 10, 40], [15], sigma_deg=20)
+    """An asymmetric weave and its tables on a small grid, nothing truncated; upright tangents among them."""
+    fabric = weave([-35, 10, 40, 90], [15, -52, -70], sigma_deg=20)
     return fabric, precompute.compute_tables(fabric, 12, 0.9999)
 
 
@@ -87,7 +87,7 @@ def test_broad_gaussians_at_few_nodes_equal_the_cells(rng, monkeypatch):
     for sharpness in (0.0, 2.0, 30.0, 80.0):
         few = precompute._convolved(sharpness, theta, phi_k, columns)
         with monkeypatch.context() as patch:
-            patch.setattr(precompute, "_nodes", lambda sharpness, columns: (q, columns))
+            patch.setattr(precompute, "_nodes", lambda sharpness, columns, rows: (q, q, columns))
             all_cells = precompute._convolved(sharpness, theta, phi_k, columns)
         assert np.allclose(few, all_cells, rtol=3e-5)
 

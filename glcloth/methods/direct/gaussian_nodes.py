@@ -48,6 +48,7 @@ def node_count(level: int) -> int:
     return sum(LADDER[level])
 
 
+MOST_CUT = 0.64  # of its variance: half a Gaussian has lost as much
 STEP = np.log(1.3)  # between the sharpnesses of the grid of tables
 SUN = 1e9  # sharpness that stands for a directional light
 
@@ -56,7 +57,8 @@ def gaussian_table(sharpness: float, level: int) -> np.ndarray:
     """Nodes [node_count + 1, COLUMNS, 4] float32 of a Gaussian for axes from the zenith to the nadir.
 
     A node is (a, b, c, share of the mass) with omega = a u + b v + c xi, v = d xi / d angle. The last row is the mean
-    direction and the logarithm of the mass. Interpolated between the sharpnesses of a grid, so that no edit of a light
+    direction and the logarithm of the mass; its a is 0, and in that place stands the share of the variance along v, at
+    most MOST_CUT, that the horizon takes. Interpolated between the sharpnesses of a grid, so that no edit of a light
     computes a rule; in units of the Gaussian's width the rules change slowly.
     """
     place = np.log(max(sharpness, 1e-2)) / STEP
@@ -68,7 +70,17 @@ def gaussian_table(sharpness: float, level: int) -> np.ndarray:
     # Interpolation leaves the sphere; the shader takes arcsines and roots of 1 - x^2.
     table[..., :3] /= np.linalg.norm(table[..., :3], axis=-1, keepdims=True)
     table[-1, :, 3] -= np.log(sharpness + 1.0)
+    table[-1, :, 0] = _cut(table[:-1])
     return table.astype(np.float32)
+
+
+def _cut(nodes: np.ndarray) -> np.ndarray:
+    """How much less the nodes [n, COLUMNS, 4] vary along v than along u, as a share: 0 to MOST_CUT. One node says nothing."""
+    if len(nodes) == 1:
+        return np.zeros(COLUMNS)
+    share = nodes[..., 3]
+    along_u, along_v = ((share * (x - (share * x).sum(0)) ** 2).sum(0) for x in (nodes[..., 0], nodes[..., 1]))
+    return np.clip(1.0 - along_v / along_u, 0.0, MOST_CUT)
 
 
 def warm(level: int, low: float, high: float) -> None:

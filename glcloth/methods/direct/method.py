@@ -22,7 +22,7 @@ from ..settings import Settings
 from ..weave_maps import packed
 from . import broad_nodes
 from . import schedule as plan
-from .gaussian_nodes import COLUMNS, SKY_SHARPNESS, SUN, gaussian_table, node_count, warm
+from .gaussian_nodes import COLUMNS, MOST_CUT, SKY_SHARPNESS, SUN, gaussian_table, node_count, warm
 from .light_map import LightMap
 from .lobe_nodes import COLUMNS as LOBE_COLUMNS
 from .lobe_nodes import Lobes, ends, lobe_table
@@ -87,6 +87,7 @@ class Direct(Method):
         self._view_made: Last[None] = Last()
         self._woven_made: Last[None] = Last()
         self._uniforms: dict[str, Any] = {}
+        self._of_view: dict[str, Any] = {}  # those that the table over omega_o has of its own
         self._pixel_counts: tuple[int, ...] = (1, 1, 1)
         self._variant = VARIANTS[0]
         self._evaluations = 0
@@ -139,7 +140,8 @@ class Direct(Method):
         level = np.array([entry.level for entry in entries])
         for one in np.unique(level):
             mine = level == one
-            records[mine, 2:5] = _lobe_records(int(one), sharpness[mine], pooled[mine], lobes, fabric)
+            found = _lobe_records(int(one), sharpness[mine], pooled[mine], lobes, fabric)
+            records[mine, 2:5], records[mine, 6:8] = found[:, :3], found[:, 3:]
         records[:, 5, 0] = column_width(sharpness)
         self._entry_data.write(records)
         several = int((level[:-1] > 0).sum())
@@ -177,11 +179,11 @@ class Direct(Method):
         self._lobes.get(
             lambda: self._lobe_data.write(_lobe_texels(tangents, lobes, k_d, count)), tangents, seen, k_d, count
         )
-        x, w = np.polynomial.legendre.leggauss(2 * pairs)
-        rule = np.zeros((MAX_PHI_PAIRS, 2), "f4")
-        rule[:pairs] = np.stack([x[pairs:], w[pairs:]], -1)
-        self._uniforms["phi_rule"] = rule
+        self._uniforms["phi_rule"] = _phi_rule(pairs)
         self._uniforms["pool_counts"] = max(len(tangents), 1), count, pairs
+        self._uniforms["view_rim"] = plan.view_rim(fabric)
+        view_pairs = schedule.view_pairs if tangents else 1
+        self._of_view = {"phi_rule": _phi_rule(view_pairs), "pool_counts": (max(len(tangents), 1), count, view_pairs)}
         return len(tangents) * count * pairs * 2
 
     def _make_view_table(
@@ -189,7 +191,7 @@ class Direct(Method):
     ) -> None:
         groups, lanes, _ = self._variant
         record = _lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
-        inputs = {"lobe_data": self._lobe_data, **self._uniforms}
+        inputs = {"lobe_data": self._lobe_data, **self._uniforms, **self._of_view}
         self._view.make(schedule.view_size, levels, _defines(groups, lanes, True), inputs, record)
 
     def _make_woven_table(
@@ -199,7 +201,7 @@ class Direct(Method):
         over those weighed by how near their tilts are."""
         groups, lanes, _ = self._variant
         record = _lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
-        inputs = {"lobe_data": self._lobe_data, **self._uniforms}
+        inputs = {"lobe_data": self._lobe_data, **self._uniforms, **self._of_view}
         yarn = np.array([tangent.yarn for tangent in fabric.tangents])
         sets = []
         for near in _bins(fabric):
@@ -317,20 +319,39 @@ def _entries(lights: Lights, schedule: plan.Schedule, lobes, pooled: np.ndarray,
 
 
 def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, fabric: Fabric) -> np.ndarray:
-    """How nodes of one level see the lobes: (kept share, sharpness, log2 of the amplitude) [K, 3, 4] float32.
+    """How nodes of one level see the lobes, [K, 5, 4] float32: the share kept, 1 / sharp^2 and log2(amplitude / sharp) of the
+    widened lobe, and what the first two change by for each unit of variance that the horizon takes. A rule of one node
+    has sharp and log2(amplitude) themselves.
 
     Components: surface of yarn 0 and 1, volume of yarn 0 and 1.
     """
     gammas = np.array([lobes[0].gamma_s, lobes[1].gamma_s, lobes[0].gamma_v, lobes[1].gamma_v])
     own = np.array([lobes[0].share_s, lobes[1].share_s, lobes[0].share_v, lobes[1].share_v])
     k_d = np.array([0.0, 0.0, fabric.yarn[0].k_d, fabric.yarn[1].k_d])
-    kept = plan.kept_share(level, sharpness[:, None], gammas)
-    variance = 1.0 / (sharpness + plan.CUT_SHARPNESS)
-    # Of theta_i + theta_o = 2 theta_h; the little Gaussian of a node widens the lobe.
-    width2 = 4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None]
-    amplitude = (1.0 - pooled[:, None] * own) * (1.0 - k_d) * 2.0 / np.sqrt(np.pi * width2)
+
+    def seen(left):
+        kept = plan.kept_share(level, sharpness[:, None], gammas, left)
+        variance = left / (sharpness + plan.CUT_SHARPNESS)
+        # Of theta_i + theta_o = 2 theta_h; the little Gaussian of a node widens the lobe.
+        return kept, np.log(2) * (4.0 * gammas**2 + (1.0 - kept**2) * 2.0 * variance[:, None])
+
+    (kept, spread), (kept_cut, spread_cut) = seen(1.0), seen(1.0 - MOST_CUT)
+    amplitude = (1.0 - pooled[:, None] * own) * (1.0 - k_d) * 2.0 * np.sqrt(np.log(2) / np.pi)
     height = np.log2(np.maximum(amplitude, 1e-30))
-    return np.stack([kept, np.sqrt(1.0 / (width2 * np.log(2))), height], 1).astype("f4")
+    if level == 0:
+        spread = 1.0 / np.sqrt(spread)
+        height = height + np.log2(spread)
+    return np.stack([kept, spread, height, (kept_cut - kept) / MOST_CUT, (spread_cut - spread) / MOST_CUT], 1).astype(
+        "f4"
+    )
+
+
+def _phi_rule(pairs: int) -> np.ndarray:
+    """The positive nodes of a Gauss-Legendre rule on -1..1 and their weights, [MAX_PHI_PAIRS, 2] float32."""
+    x, w = np.polynomial.legendre.leggauss(2 * pairs)
+    rule = np.zeros((MAX_PHI_PAIRS, 2), "f4")
+    rule[:pairs] = np.stack([x[pairs:], w[pairs:]], -1)
+    return rule
 
 
 def _lobe_texels(tangents: tuple, lobes: tuple[Lobes, Lobes], k_d: tuple[float, float], count: int) -> np.ndarray:

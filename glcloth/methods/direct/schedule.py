@@ -20,15 +20,16 @@ class Schedule:
     sharper : sharpness, for linen's lobes of 12 degrees, below which level 1, 2, ... of the ladder is used
     shift : levels added to that
     theta_count, phi_pairs : nodes of the pooled lobes of a tangent: in theta, and pairs in phi
-    view_size : texels a side of the table over omega_o
+    view_pairs : pairs in phi with which that table is made: grazing views ask for more than pixels can pay
     pooled_ratio : how many times the width 2 gamma of a lobe sigma must be for its Gaussian to be pooled
     """
 
-    sharper: tuple[float, ...] = (150.0, 13.0, 4.5, 1.5, 0.55)
+    sharper: tuple[float, ...] = (150.0, 19.0, 4.5, 1.5, 0.55)
     shift: int = 0
     theta_count: int = 3
     phi_pairs: int = 3
     view_size: int = 49
+    view_pairs: int = 5
     pooled_ratio: tuple[float, float] = (0.7, 0.9)
 
 
@@ -44,6 +45,9 @@ BROAD_SHARPNESS = (6.0, 9.0)  # Gaussians broader than this are looked up at dir
 POOLED_SHARPNESS = (22.0, 30.0)  # Gaussians broader than this may be summed on the nodes of a narrow lobe,
 NARROW_DEG = (6.2, 11.0)  # if gamma is at most this (and see Schedule.pooled_ratio)
 SAME_NODES_RATIO = (2.2, 4.0)  # lobes of one yarn whose widths differ more than this cannot share nodes in theta
+# How much finer the table over omega_o is at the horizon than at N. Flat tangents ask for it there, and upright ones, which
+# from above show little of themselves, here; by the most upright tilt.
+VIEW_RIM, UPRIGHT_DEG = (2.0, 0.7), (45.0, 75.0)
 BLEND = np.log(1.1)  # half width in log sharpness of the change from one level to the next
 BROAD_LOBE = 0.75  # radians^2, of 2 gamma^2: lobes broader than this ask for no fewer nodes, because W varies too
 LINEN_LOBE = 0.088  # 2 gamma^2 of 12 degrees
@@ -69,12 +73,18 @@ def smoothstep(low, high, x):
     return t * t * (3.0 - 2.0 * t)
 
 
-def kept_share(level: int, sharpness: np.ndarray, gamma: np.ndarray) -> np.ndarray:
-    """s of `_KEPT` for a level of the ladder."""
+def kept_share(level: int, sharpness: np.ndarray, gamma: np.ndarray, left: float = 1.0) -> np.ndarray:
+    """s of `_KEPT` for a level of the ladder; `left`: share of the Gaussian's variance that the horizon leaves."""
     n = nodes_in_row(level)
-    variance = 1.0 / (sharpness + CUT_SHARPNESS)
+    variance = left / (sharpness + CUT_SHARPNESS)
     r = variance / (variance + 2.0 * np.square(gamma))
     return 1.0 - (1.0 - np.interp(r, _R, _KEPT[min(n, 6)])) * min(n, 6) / n
+
+
+def view_rim(fabric: Fabric) -> float:
+    """`rim` of glsl/direct/view.glsl."""
+    upright = smoothstep(*UPRIGHT_DEG, np.degrees(max(abs(t.tilt) for t in fabric.tangents)))
+    return float(VIEW_RIM[0] + upright * (VIEW_RIM[1] - VIEW_RIM[0]))
 
 
 def pooled_lobes(fabric: Fabric) -> tuple[Lobes, Lobes]:

@@ -14,12 +14,14 @@ from ...gpu.buffers import TextureBuffer
 from ...gpu.layout import constant
 from ...gpu.memo import Last
 from ...light.lights import Lights
+from ...twins.convolution import theta_end
 from ..method import Method
 from ..settings import Settings
 from .precompute import Tables, inner_share, shapes_of
 from .tables import azimuth_texels, check_parameters, slice_index, slices, tables_for, texel_type, tiled
 
 DEEPEST = 2048  # slices of a 3D texture that every OpenGL 4.3 takes
+NO_END = 1e3  # an end of theta_i behind all nodes
 # Loop iterations of one invocation, below llvmpipe's silent end at 65,535.
 MOST_ITERATIONS = 50_000
 
@@ -41,6 +43,7 @@ class Paper(Method):
         self._weave: Last[str] = Last()
         self._tables: Last[dict[str, Any]] = Last()
         self._tangents = self._count = self._segments = self._slices = 0
+        self._upright = False
 
     def prepare(self, fabric: Fabric, lights: Lights, settings: Settings, part: int | None = None) -> None:
         """Make and upload the tables when the weave or their parameters changed.
@@ -54,17 +57,21 @@ class Paper(Method):
         self._segments, self._count, self._tangents = segments, len(lights.gaussians), len(fabric.tangents)
         self.broad = np.zeros(self._count)
         # The tables know W but for its numerators: those, and `part` with them, are read from the fabric's records.
+        self._upright = any(theta_end(t.tilt) < np.pi / 2 for t in fabric.tangents)
         weave = self._weave.get(lambda: repr(shapes_of(fabric)), fabric)
-        self._tables.get(lambda: self._upload(tables_for(fabric, grid, contribution)), weave, grid, contribution)
+        self._tables.get(
+            lambda: self._upload(tables_for(fabric, grid, contribution), fabric), weave, grid, contribution
+        )
 
-    def _upload(self, tables: Tables) -> dict[str, Any]:
+    def _upload(self, tables: Tables, fabric: Fabric) -> dict[str, Any]:
         kind = texel_type(tables)
         self._release_weights()
         (left, *tiling), (right, *_) = (tiled(slices(side), DEEPEST) for side in (tables.xi, tables.o))
         first = slice_index(tables)
         index = np.zeros((int(constant("MAX_TANGENTS")) + first.size, 4), "f4")
-        for t, place in enumerate(tables.placements):
-            index[t, :3] = place.shape, place.theta, place.phi
+        for t, (place, tangent) in enumerate(zip(tables.placements, fabric.tangents, strict=True)):
+            end = float(theta_end(tangent.tilt))
+            index[t] = place.shape, place.theta, place.phi, end if end < np.pi / 2 else NO_END
         index[int(constant("MAX_TANGENTS")) :, 0] = first.ravel()
         self._index.write(index)
         # Two neighbouring levels are read for each Gaussian.
@@ -81,6 +88,10 @@ class Paper(Method):
     def woven_packing(self) -> tuple[int, int]:
         """In the order of the tangents."""
         return -(-self._tangents // 4), 4
+
+    def defines(self) -> dict[str, Any]:
+        """Whether there are upright tangents, whose domain ends early: an edit makes others only with new tables."""
+        return {"UPRIGHT": 1} if self._upright else {}
 
     def inputs(self) -> dict[str, Any]:
         """What inputs/methods/paper.glsl declares, but for the range of a pass."""

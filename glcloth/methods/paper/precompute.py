@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -14,11 +15,13 @@ from ...gpu.layout import shared
 from ...progress import track
 from ...twins import coordinates
 from ...twins.azimuth import azimuth_nodes
+from ...twins.convolution import theta_end
 
 _CONSTANTS = shared("sg/coordinates.glsl")[0]
 LEVELS = int(_CONSTANTS["LEVELS"])
 POWERS = 10  # T_l of the powers 1-10 of cos(phi_d / 2): 1-6 for the surface term, 2-10 for the volume term
 
+ALL_ROWS = slice(None)
 CELLS = (
     96  # quadrature cells over theta and phi of the tangent's hemisphere: 1.9 degrees, the sharpest lobe is 2.1 wide
 )
@@ -231,6 +234,13 @@ def horizon_share(tilt: float, theta: np.ndarray, phi: np.ndarray) -> np.ndarray
     return np.clip((limit[:, None] - np.abs(phi) + half) / (2 * half), 0, 1).ravel()
 
 
+def end_share(tilt: float, theta: np.ndarray) -> np.ndarray:
+    """The part of each row of the (theta, phi) grid that lies in the domain of T and I, [theta]."""
+    half = (theta[1] - theta[0]) / 2
+    along = np.copysign(theta, theta * tilt) if tilt else theta
+    return np.clip((theta_end(tilt) - along + half) / (2 * half), 0, 1)
+
+
 def _factor(A: np.ndarray, rank: int) -> tuple[np.ndarray, np.ndarray]:
     """A ~ left @ right.T with orthonormal columns of right, by a randomised range finder (Halko et al. 2011, 4.4).
 
@@ -251,8 +261,9 @@ def working_rank(contribution: float, columns: int) -> int:
     return min(columns, int(np.interp(np.log10(1 - contribution), [-4, -3, -2, -1], [1280, 704, 320, 192])))
 
 
-def _nodes(sharpness: float, columns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(nodes, columns [nodes, nodes, C]) on which sums with the Gaussian equal those over the cells to about 1e-6.
+def _nodes(sharpness: float, columns: np.ndarray, rows: slice = ALL_ROWS) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(nodes in theta, in phi, columns [nodes, nodes, C]) on which sums with the Gaussian equal those over the cells to
+    about 1e-6. Only these `rows` of cells in theta hold anything.
 
     A broad Gaussian is a polynomial of low degree over the hemisphere: it is evaluated at Chebyshev nodes only, and the
     cells' values are gathered there once by the transpose of the interpolation from the nodes to the cells.
@@ -260,29 +271,36 @@ def _nodes(sharpness: float, columns: np.ndarray) -> tuple[np.ndarray, np.ndarra
     q = _cells()
     count = 16 + int(8 * np.sqrt(sharpness))
     if count >= CELLS:
-        return q, columns
+        return q[rows], q, columns[rows]
     nodes = np.cos(np.pi * (np.arange(count) + 0.5) / count)[::-1]
     degree = np.arange(count)
-    at_nodes, at_cells = (
-        np.cos(degree * np.arccos(nodes)[:, None]),
-        np.cos(degree * np.arccos(q / (np.pi / 2))[:, None]),
-    )
+    at_nodes = np.cos(degree * np.arccos(nodes)[:, None])
     at_nodes[:, 0] *= 0.5
-    cells_from_nodes = (at_cells @ at_nodes.T * (2 / count)).astype(np.float32)
-    gathered = np.tensordot(cells_from_nodes, columns, (0, 0))
-    gathered = np.tensordot(gathered, cells_from_nodes, (1, 0)).transpose(0, 2, 1)
-    return nodes * np.pi / 2, np.ascontiguousarray(gathered)
+
+    def cells_from_nodes(middle, half, cells):
+        at_cells = np.cos(degree * np.arccos((cells - middle) / half)[:, None])
+        return (at_cells @ at_nodes.T * (2 / count)).astype(np.float32)
+
+    # The whole axis, or that from the first cell's far side to the last one's.
+    margin = 0.5 * (q[1] - q[0])
+    low, high = q[rows][0] - margin, q[rows][-1] + margin
+    middle, half = (0.0, np.pi / 2) if rows == ALL_ROWS else (0.5 * (low + high), 0.5 * (high - low))
+    gathered = np.tensordot(cells_from_nodes(middle, half, q[rows]), columns[rows], (0, 0))
+    gathered = np.tensordot(gathered, cells_from_nodes(0.0, np.pi / 2, q), (1, 0)).transpose(0, 2, 1)
+    return middle + nodes * half, nodes * np.pi / 2, np.ascontiguousarray(gathered)
 
 
-def _convolved(sharpness: float, theta_k: np.ndarray, phi_k: np.ndarray, columns: np.ndarray) -> np.ndarray:
+def _convolved(
+    sharpness: float, theta_k: np.ndarray, phi_k: np.ndarray, columns: np.ndarray, rows: slice = ALL_ROWS
+) -> np.ndarray:
     """Integrals of G_k times `columns` [CELLS, CELLS, C] over that of G_k alone, [theta_k * phi_k, C - 1].   [Miz 9]
 
     The last column holds the solid angles of the cells, the others are multiplied by them. The Gaussian is scaled to 1
     at its nearest node, because sharp lobes far outside the hemisphere vanish otherwise; rows of nodes where it is
-    negligible are left out.
+    negligible are left out. `rows` as in `_nodes`.
     """
-    q, columns = _nodes(sharpness, columns)
-    across = np.cos(phi_k[:, None] - q).astype(np.float32)
+    q, phi, columns = _nodes(sharpness, columns, rows)
+    across = np.cos(phi_k[:, None] - phi).astype(np.float32)
     best = across.max(1)
     out = np.empty((len(theta_k), len(phi_k), columns.shape[2] - 1), np.float32)
     inside = np.abs(phi_k) <= np.pi / 2 + 1e-9
@@ -376,6 +394,22 @@ class Tables:
         return np.array([[len(level) for level in shape] for shape in self.xi])
 
 
+def _same_domain(
+    shapes: tuple[Shape, ...], left: list[np.ndarray], solid_angle: np.ndarray
+) -> Iterator[tuple[list[int], np.ndarray, slice]]:
+    """(shapes whose domain is the whole hemisphere, or one that is upright; their columns for `_convolved`; its rows)."""
+    q = _cells()
+    whole = [n for n, shape in enumerate(shapes) if theta_end(shape.tilt) >= np.pi / 2]
+    for numbers in (whole, *([n] for n in range(len(shapes)) if n not in whole)):
+        if not numbers:
+            continue
+        share = end_share(shapes[numbers[0]].tilt, q)
+        inside = np.flatnonzero(share)
+        rows = ALL_ROWS if numbers is whole else slice(inside[0], inside[-1] + 1)
+        domain = solid_angle * np.repeat(share, CELLS).astype(np.float32)[:, None]
+        yield numbers, np.concatenate([*(left[n] for n in numbers), domain], axis=1).reshape(CELLS, CELLS, -1), rows
+
+
 # The rows of a product run on threads of ours; threads of the BLAS below them would only fight with those.
 @threadpool_limits.wrap(limits=1, user_api="blas")
 def compute_tables(fabric: Fabric, grid: int = 48, contribution: float = 0.9) -> Tables:
@@ -398,13 +432,14 @@ def compute_tables(fabric: Fabric, grid: int = 48, contribution: float = 0.9) ->
         A, B = _factor(W, rank)
         left.append(A)
         basis.append(B)
-    ends = np.cumsum([0] + [a.shape[1] for a in left])
-    columns = np.concatenate([*left, solid_angle], axis=1).reshape(CELLS, CELLS, -1)
+    groups = list(_same_domain(shapes, left, solid_angle))
     parts: list[list[tuple]] = [[] for _ in shapes]
     for sharpness in track(sharpness_levels(), "tables: convolution with the Gaussians, SVD"):
-        C = _convolved(float(sharpness), theta, phi_k, columns)
-        for n in range(len(shapes)):
-            parts[n].append(_compressed(C[:, ends[n] : ends[n + 1]], basis[n], contribution))
+        for numbers, columns, rows in groups:
+            C = _convolved(float(sharpness), theta, phi_k, columns, rows)
+            ends = np.cumsum([left[n].shape[1] for n in numbers])[:-1]
+            for n, own in zip(numbers, np.split(C, ends, axis=1), strict=True):
+                parts[n].append(_compressed(own, basis[n], contribution))
     xi, o, values = (tuple(tuple(level[k] for level in shape) for shape in parts) for k in range(3))
     xi, o = (tuple(tuple(a.reshape(-1, grid, grid) for a in shape) for shape in side) for side in (xi, o))
     return Tables(grid, contribution, placements, xi, o, values, time.perf_counter() - began)

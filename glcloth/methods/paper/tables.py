@@ -26,7 +26,7 @@ from .precompute import (
     sharpness_levels,
 )
 
-FORMAT = 2  # raise it whenever the numbers or their layout change: older files are then made anew
+FORMAT = 3  # raise it whenever the numbers or their layout change: older files are then made anew
 SINGLE_LIMIT = 64 << 20  # bytes of factors above which they are stored as 16-bit floats
 
 

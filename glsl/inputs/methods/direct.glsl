@@ -2,8 +2,8 @@
 // what glsl/passes/methods/view_table.comp makes of it whenever it changes.   [own]
 //   L_o = sum_k L_k sum_n w_n sum_t R_t(omega_n) cos(theta_i) (f_rs + A_j f_rv)
 // Defines: those of inputs/methods/direct_tangents.glsl; POOLED(L), L or nothing. See docs/direct.md.
-#include "core/disk.glsl"
 #include "direct/node.glsl"
+#include "direct/view.glsl"
 #include "inputs/methods/direct_tangents.glsl"
 #include "trace/octahedron.glsl"
 #include "seen.glsl"
@@ -14,14 +14,15 @@ uniform vec4 slot_low[GROUPS], slot_high[GROUPS];  // share of each tangent in t
 
 // glcloth/methods/direct reads these numbers here.
 const int NODE_COLUMNS = 64;
-const int ENTRY_TEXELS = 6;
+const int ENTRY_TEXELS = 8;
 const float MAP_SIZE = 160.0;
 
-uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean
+uniform samplerBuffer node_data;   // rows of NODE_COLUMNS: (a, b, c, share); after each rule its mean, with what the horizon takes of the variance for a
 uniform samplerBuffer entry_data;  // ENTRY_TEXELS for each Gaussian and rule, or sun
 uniform sampler2D pooled_light;   // radiance of the pooled Gaussians, world, octahedral
 uniform sampler2D broad_light;    // radiance of the broadest Gaussians, likewise
 uniform sampler2DArray view_table;  // omega_o as a disk; a layer for each direction of broad light
+uniform float view_rim;  // of that disk
 uniform ivec2 entry_counts;  // those of several nodes come first; all. The one behind them weighs nothing and is lit everywhere
 uniform ivec2 broad_nodes;   // the first of those directions in node_data, and their number
 
@@ -65,7 +66,7 @@ Entry fetch_entry(int k, mat3 surface_from_world) {
     vec4 head = texelFetch(entry_data, at);       // xi in world space; the least xi . N that counts
     vec4 light = texelFetch(entry_data, at + 1);  // radiance; number of its V, first row of its rule, rows
     entry_kept = texelFetch(entry_data, at + 2);
-    entry_sharp = texelFetch(entry_data, at + 3);
+    entry_sharp = entry_spread = texelFetch(entry_data, at + 3);  // of one node, of several
     entry_height = texelFetch(entry_data, at + 4);
     float width = texelFetch(entry_data, at + 5).x;  // of its columns
     int rows = floatBitsToInt(light.w);
@@ -98,7 +99,12 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
     if (k < entry_counts.x) do {
         Entry entry = fetch_entry(k, surface_from_world);
         vec4 mean = fetch_node(entry.last, entry.column, entry.between);
-        vec3 omega_mean = node_direction(entry, mean.xyz);
+        vec3 omega_mean = node_direction(entry, vec3(0.0, mean.yz));
+        entry_kept_cut = texelFetch(entry_data, k * ENTRY_TEXELS + 6);
+        entry_spread_cut = texelFetch(entry_data, k * ENTRY_TEXELS + 7);
+        entry_cut = mean.x;
+        entry_u = vec2(-entry.e.y, entry.e.x);
+        entry_v = vec3(entry.xi.z * entry.e, -dot(entry.xi.xy, entry.e));
 #define AIM(g) aim_group(g, omega_mean)
         EACH_GROUP(AIM)
         int node = entry.node;
@@ -114,7 +120,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
         Entry entry = fetch_entry(k, surface_from_world);
         vec4 mean = fetch_node(entry.last, entry.column, entry.between);
         EACH_GROUP(aim_group_at_node)
-        light_at(node_direction(entry, mean.xyz), 1.0, cos_o);
+        light_at(node_direction(entry, vec3(0.0, mean.yz)), 1.0, cos_o);
         ADD_LIGHT(entry.light * (exp(mean.w) * V_number(entry.V)), entry.xi);
         k = entry_after(k, N);
     } while (k < entry_counts.y);
@@ -125,7 +131,7 @@ vec3 L_shared(float cos_o, mat3 surface_from_world) {
 
 vec3 L_broad(vec3 omega_o, mat3 surface_from_world) {
     vec3 L = vec3(0.0);
-    vec2 place = 0.5 + (0.5 - 0.5 / float(textureSize(view_table, 0).x)) * to_disk(omega_o);
+    vec2 place = 0.5 + (0.5 - 0.5 / float(textureSize(view_table, 0).x)) * to_view(omega_o, view_rim);
 #ifdef WEAVE
     // Terms that are not of one tangent but of those of like tilt, by what is seen of these.
     vec4 low = vec4(0.0), middle = vec4(0.0), high = vec4(0.0);  // of warp and weft, then of their turns

@@ -10,7 +10,7 @@
 uniform sampler3D azimuth_table;  // T_l / azimuth_mass: phi_o, phi_k, kappa_prime in AZIMUTH_GROUPS
 uniform sampler3D weight_xi;      // left factors of T, 4 ranks a texel: phi_k, theta_k, slices
 uniform sampler3D weight_o;      // right factors: phi_o, theta_o, the same slices
-uniform samplerBuffer weight_index;  // per tangent (shape, signs of theta and phi), then first slices
+uniform samplerBuffer weight_index;  // per tangent (shape, signs of theta and phi, end of theta), then first slices
 uniform float grid;        // nodes of each of the tables' angles
 uniform float inner;       // share of the phi_k axis below 90 degrees
 uniform ivec2 tiling;      // slices per column of the 3D textures, and columns
@@ -49,10 +49,31 @@ float fetch_T_W(int shape, vec2 at_xi, vec2 at_o, float level) {
     return T;
 }
 
-// (I_s, I_v / A) of one tangent and one Gaussian: integrals of G f_s cos(theta_i) over the tangent's hemisphere.
-// [Miz 11-16]; at the ends of the theta range cos^2(theta_i) = 0, so only inner nodes count. Nodes at theta and -theta
-// have the same kappa_prime and share T_l.
-vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
+// A Gaussian that ends at `end`, integrated twice at u; `seen` is where it is last seen, and `gaussian` its value there.
+// Without UPRIGHT no tangent's domain ends before its hemisphere.
+vec3 integrated(vec3 u, vec3 end, vec3 slope, out vec3 seen, out vec3 gaussian) {
+#ifdef UPRIGHT
+    seen = min(u, end);
+    gaussian = exp(-seen * seen);
+    return cut_integrated(seen, gaussian, max(u - end, 0.0), slope);
+#else
+    seen = u;
+    gaussian = exp(-u * u);
+    return twice_integrated(u, gaussian);
+#endif
+}
+
+#ifdef UPRIGHT
+#define HAT(before, here, after, u, gaussian, left) cut_hat_integral(before, here, after, u, gaussian, step, left)
+#else
+#define HAT(before, here, after, u, gaussian, left) hat_integral(before, here, after, u, gaussian, step)
+#endif
+
+// (I_s, I_v / A) of one tangent and one Gaussian: integrals of G f_s cos(theta_i) over the tangent's hemisphere up to
+// theta_i = theta_end >= 0.   [Miz 11-16]
+// At the ends of the hemisphere cos^2(theta_i) = 0, so only inner nodes count. Nodes at theta and -theta have the same
+// kappa_prime and share T_l.
+vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn, float theta_end) {
     mat3 gaussians = theta_gaussians(k.theta, sharpness, o.theta, yarn.k_d, yarn.gamma_s, yarn.gamma_v);
     vec3 mu = gaussians[0], sigma = gaussians[1], scale = gaussians[2];
     float width = PI / float(segments);
@@ -65,28 +86,29 @@ vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
     const float kappa_nodes = float(AZIMUTH_KAPPA);
     const float groups = float(AZIMUTH_GROUPS);
 
+    vec3 end = (theta_end - mu) / sigma;
+    vec3 slope = 0.5 * sqrt(PI) * vec3(erf(end.x), erf(end.y), erf(end.z));
     vec3 u = (0.5 * PI - mu) / sigma;
     vec3 w = (-0.5 * PI - mu) / sigma;
-    vec3 before_u = twice_integrated(u, exp(-u * u));
-    vec3 before_w = twice_integrated(w, exp(-w * w));
+    vec3 seen_u, seen_w, g_u, g_w;
+    vec3 before_u = integrated(u, end, slope, seen_u, g_u);
+    vec3 before_w = integrated(w, end, slope, seen_w, g_w);
     u -= step;
     w += step;
-    vec3 g_u = exp(-u * u);
-    vec3 g_w = exp(-w * w);
-    vec3 here_u = twice_integrated(u, g_u);
-    vec3 here_w = twice_integrated(w, g_w);
+    vec3 here_u = integrated(u, end, slope, seen_u, g_u);
+    vec3 here_w = integrated(w, end, slope, seen_w, g_w);
     vec2 I = vec2(0.0);
     float theta = 0.5 * PI - width;
     int node = 1;
     do {
         vec3 next_u = u - step;
         vec3 next_w = w + step;
-        vec3 next_g_u = exp(-next_u * next_u);
-        vec3 next_g_w = exp(-next_w * next_w);
-        vec3 after_u = twice_integrated(next_u, next_g_u);
-        vec3 after_w = twice_integrated(next_w, next_g_w);
-        vec3 weight_u = scale * hat_integral(before_u, here_u, after_u, u, g_u, step);
-        vec3 weight_w = scale * hat_integral(before_w, here_w, after_w, w, g_w, step);
+        vec3 next_seen_u, next_seen_w, next_g_u, next_g_w;
+        vec3 after_u = integrated(next_u, end, slope, next_seen_u, next_g_u);
+        vec3 after_w = integrated(next_w, end, slope, next_seen_w, next_g_w);
+        vec2 left = (theta_end - vec2(theta, -theta)) / width;
+        vec3 weight_u = scale * HAT(before_u, here_u, after_u, seen_u, g_u, left.x);
+        vec3 weight_w = scale * HAT(before_w, here_w, after_w, seen_w, g_w, left.y);
         float cos_half = cos(0.5 * theta);
         float sin_half = sin(0.5 * theta);
         float cos_theta = 2.0 * cos_half * cos_half - 1.0;
@@ -108,6 +130,8 @@ vec2 I_terms(Angles k, float sharpness, Angles o, Yarn yarn) {
         here_w = after_w;
         u = next_u;
         w = next_w;
+        seen_u = next_seen_u;
+        seen_w = next_seen_w;
         g_u = next_g_u;
         g_w = next_g_w;
         theta -= width;
@@ -123,7 +147,10 @@ vec3 L_tangent(int t, int j, Yarn yarn, vec3 omega_o, mat3 surface_from_world) {
     vec3 local_o = tangent_from_surface(omega_o, j, tangent.cos_tilt, tangent.sin_tilt);
     if (local_o.z <= 0.0 || tangent.weight == 0.0) return vec3(0.0);
     Angles o = angles(local_o);
-    vec3 placement = texelFetch(weight_index, t).xyz;
+    vec4 placement = texelFetch(weight_index, t);
+    // The domain of an upright tangent ends where theta is positive: one that leans the other way is seen in a mirror.
+    float mirror = placement.w < 0.5 * PI && tangent.sin_tilt < 0.0 ? -1.0 : 1.0;
+    Angles in_o = Angles(mirror * o.theta, o.phi, o.cos_theta);
     vec2 at_o = vec2(node_coordinate(unit_from_half_circle(placement.z * o.phi), grid),
         node_coordinate(unit_from_half_circle(placement.y * o.theta), grid));
     vec3 sum = vec3(0.0);
@@ -143,7 +170,7 @@ vec3 L_tangent(int t, int j, Yarn yarn, vec3 omega_o, mat3 surface_from_world) {
         float level = level_from_sharpness(light.sharpness, SHARPNESS_FIRST, SHARPNESS_LAST, float(LEVELS));
         // Truncated factors may dip below zero where T is zero.
         float T = max(fetch_T_W(int(placement.x), at_xi, at_o, level), 0.0);
-        vec2 I = I_terms(k, light.sharpness, o, yarn);
+        vec2 I = I_terms(Angles(mirror * k.theta, k.phi, k.cos_theta), light.sharpness, in_o, yarn, placement.w);
 #ifdef WEAVE
         // The side of a yarn turns to the axis of a Gaussian as to a sun.
         I *= seen_of(seen, j, xi);

@@ -3,14 +3,16 @@
 // `direct`; omega_o over the disk, B_j the share of x_j in light from between (glcloth/methods/direct/broad_nodes.py).   [own]
 // Its place in z is a block of 16 directions.
 #include "core/disk.glsl"
+#include "direct/view.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 uniform sampler2DArray basis_map;   // B over the hemisphere as a disk, four a layer
 uniform samplerBuffer fixed_nodes;  // a rule over the hemisphere: directions; then B times weights, four a texel
 layout(rgba32f) writeonly uniform image2DArray view_table;
 uniform int fixed_count;
+uniform float view_rim;
 uniform int block_count;
-uniform vec4 broad_kept, broad_sharp, broad_height;  // as entry_kept, ...
+uniform vec4 broad_kept, broad_spread, broad_height;  // as entry_kept, ...
 
 uniform int first_layer;
 #ifdef WEAVE
@@ -45,8 +47,12 @@ void add_node(vec3 omega, SUMS weight) {
 // The isotropic share, and the lobes that have no nodes of their own.
 void visit_fixed(float cos_o) {
     entry_kept = broad_kept;
-    entry_sharp = broad_sharp;
+    entry_spread = broad_spread;
     entry_height = broad_height;
+    entry_kept_cut = entry_spread_cut = vec4(0.0);
+    entry_cut = 0.0;
+    entry_v = vec3(0.0);
+    entry_u = vec2(0.0);
     vec3 up = vec3(0.0, 0.0, 1.0);
 #define AIM_UP(g) aim_group(g, up)
 #define CLEAR(g) surface[g] = volume[g] = vec4(0.0)
@@ -75,7 +81,7 @@ void main() {
     // Two texels beyond the horizon nothing is read.
     if (length(p) > 1.0 + 4.0 / float(size.x - 1)) return;
     block = at.z;
-    vec3 omega_o = from_disk(p);
+    vec3 omega_o = from_view(p, view_rim);
     omega_o = normalize(vec3(omega_o.xy, max(omega_o.z, 1e-3)));
     c_0 = c_1 = c_2 = c_3 = TABLE(0.0);
 #ifdef WEAVE
