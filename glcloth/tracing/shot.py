@@ -41,7 +41,7 @@ class TraceSettings:
 
 
 @dataclass(frozen=True)
-class Grid:
+class HangingGrid:
     """Where the cloth of a scene is a grid of vertices, which says how it lies on its weave.
 
     first : number of its first triangle; two to a quad, row by row. quads : a row. size : metres of flat cloth that a quad
@@ -77,7 +77,7 @@ class Shot:
     indirect: Mapping[str, Any] | None = None
     indirect_source: str = "inputs/tracing/indirect.glsl"
     renewed: Callable[[int], Iterator[Mapping[str, Any]]] | None = None
-    grid: Grid | None = None
+    grid: HangingGrid | None = None
 
     def __post_init__(self) -> None:
         if self.fabric.transmission is None:
