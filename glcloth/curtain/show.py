@@ -199,9 +199,7 @@ class CurtainShow:
         fabric = self.fabric if other is None else _fabric_of(other)
         settings = TraceSettings(s.depth, min(s.spp, MOST_SPP), s.spread, s.cutoff, s.accelerator)
         lighting = Lighting(Lamp(s.lamp_position, s.lamp_intensity), s.ambient)
-        return Shot(
-            camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate, grid=self._grid()
-        )
+        return Shot(camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate, grid=self._grid())
 
     def _grid(self) -> HangingGrid:
         """How the curtain lies on its weave, and about where it hangs."""

@@ -227,7 +227,9 @@ class Rays:
             shade = programs(self.ctx).compute(
                 "passes/tracing/shade.comp",
                 {
-                    "CLOTH": cloth, "SPREAD": int(settings.spread), "GI": int(picture.shot.indirect is not None),
+                    "CLOTH": cloth,
+                    "SPREAD": int(settings.spread),
+                    "GI": int(picture.shot.indirect is not None),
                     **(picture.holes if cloth else {}),
                 },
                 {"indirect.glsl": picture.shot.indirect_source},
@@ -264,7 +266,9 @@ class Rays:
             generation.release()
 
 
-def _through(ctx: moderngl.Context, path: str, structure: Structure, defines: Mapping[str, Any] | None = None) -> Compute:
+def _through(
+    ctx: moderngl.Context, path: str, structure: Structure, defines: Mapping[str, Any] | None = None
+) -> Compute:
     """The program of a pass that sends rays through a structure."""
     virtual = {"accel.glsl": structure.source, "count.glsl": "inputs/accel/count_none.glsl"}
     return programs(ctx).compute(path, dict(defines or {}), virtual)
