@@ -21,7 +21,7 @@ from ..scene import CurtainParameters, Scene
 from ..tracing.denoise import check_denoiser, denoised
 from ..tracing.lamp import Lamp, Lighting
 from ..tracing.path import PathSums, followed, samples_of
-from ..tracing.shot import MOST_SPP, Shot, TraceSettings
+from ..tracing.shot import MOST_SPP, HangingGrid, Shot, TraceSettings
 from ..tracing.tracer import Tracer
 from ..tracing.tree_view import TreeContent, draw_tree
 from .form_factors import SLICES, Sheet
@@ -199,7 +199,14 @@ class CurtainShow:
         fabric = self.fabric if other is None else _fabric_of(other)
         settings = TraceSettings(s.depth, min(s.spp, MOST_SPP), s.spread, s.cutoff, s.accelerator)
         lighting = Lighting(Lamp(s.lamp_position, s.lamp_intensity), s.ambient)
-        return Shot(camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate)
+        return Shot(camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate, grid=self._grid())
+
+    def _grid(self) -> HangingGrid:
+        """How the curtain lies on its weave, and about where it hangs."""
+        m = self.simulation.parameters
+        size = m.width * m.fullness / m.quads[0], m.drop / m.quads[1]
+        low, high = (-0.6 * m.width, m.top - m.drop, -0.5), (0.6 * m.width, m.top, 0.5)
+        return HangingGrid(len(self.room.positions), self.simulation.columns - 1, size, low, high)
 
     def picture(self) -> np.ndarray:
         """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first."""

@@ -21,7 +21,7 @@ SIDE = 21  # texels of the table, of directions as a disk
 FINEST = 32.0  # texels a yarn, from where on the mip levels show the same,
 PER_LEVEL = 4  # how many tables from one mip level to the next: drivers round levels, so the means run in steps
 LEVELS = 4 * PER_LEVEL + 1  # in the last a texel is half a yarn, and yarns have no height
-SAMPLES = 1024  # of a repeat
+SAMPLES = 4096  # of a repeat in the finest; half as many from one mip level to the next, where maps are smoother
 
 
 def relief_heights(maps: Maps, relief: float) -> np.ndarray:

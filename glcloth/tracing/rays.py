@@ -60,6 +60,11 @@ class Picture:
     statistics: TraceStatistics
 
     @property
+    def holes(self) -> dict[str, Any]:
+        """The define of passes that know where a weave has its holes."""
+        return {"HOLES": 1} if "hole_map" in self.inputs else {}
+
+    @property
     def stride(self) -> int:
         """How many layers a head has room for: all of a way at once, where the structure finds hits in order and no ray
         turns aside in the cloth."""
@@ -221,7 +226,12 @@ class Rays:
         for cloth, groups in ((1, COUNTS["CLOTH_GROUPS"]), (0, COUNTS["OTHER_GROUPS"])):
             shade = programs(self.ctx).compute(
                 "passes/tracing/shade.comp",
-                {"CLOTH": cloth, "SPREAD": int(settings.spread), "GI": int(picture.shot.indirect is not None)},
+                {
+                    "CLOTH": cloth,
+                    "SPREAD": int(settings.spread),
+                    "GI": int(picture.shot.indirect is not None),
+                    **(picture.holes if cloth else {}),
+                },
                 {"indirect.glsl": picture.shot.indirect_source},
             )
             shade.run_indirect(
@@ -239,7 +249,7 @@ class Rays:
     def _shadow(self, picture: Picture, now: Generation) -> None:
         """Add the lamp's light to the rays that wait for it."""
         structure = picture.structure
-        program = _through(self.ctx, "passes/tracing/shadow.comp", structure)
+        program = _through(self.ctx, "passes/tracing/shadow.comp", structure, picture.holes)
         chunks = list(structure.chunks())
         for k, chunk in enumerate(chunks):
             program.run_indirect(
@@ -256,7 +266,9 @@ class Rays:
             generation.release()
 
 
-def _through(ctx: moderngl.Context, path: str, structure: Structure) -> Compute:
+def _through(
+    ctx: moderngl.Context, path: str, structure: Structure, defines: Mapping[str, Any] | None = None
+) -> Compute:
     """The program of a pass that sends rays through a structure."""
     virtual = {"accel.glsl": structure.source, "count.glsl": "inputs/accel/count_none.glsl"}
-    return programs(ctx).compute(path, None, virtual)
+    return programs(ctx).compute(path, dict(defines or {}), virtual)

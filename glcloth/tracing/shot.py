@@ -41,6 +41,21 @@ class TraceSettings:
 
 
 @dataclass(frozen=True)
+class HangingGrid:
+    """Where the cloth of a scene is a grid of vertices, which says how it lies on its weave.
+
+    first : number of its first triangle; two to a quad, row by row. quads : a row. size : metres of flat cloth that a quad
+    measures along a row and down a column. low, high : corners of a box in which the cloth hangs.
+    """
+
+    first: int
+    quads: int
+    size: tuple[float, float]
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
 class Shot:
     """A view of a scene, and how it is traced.
 
@@ -48,6 +63,7 @@ class Shot:
     offsets : where in the pixel the samples lie, from its centre; default: the R2 sequence of `settings.spp` points.
     indirect : inputs of `indirect_source`, the light from around the room instead of the lighting's `ambient`.
     renewed : finds such inputs anew for each sample of the pixels, in steps, the last of which brings them.
+    grid : of the cloth; with it the holes of a fabric's weave are seen, and the light that falls through them.
     """
 
     camera: Camera
@@ -61,6 +77,7 @@ class Shot:
     indirect: Mapping[str, Any] | None = None
     indirect_source: str = "inputs/tracing/indirect.glsl"
     renewed: Callable[[int], Iterator[Mapping[str, Any]]] | None = None
+    grid: HangingGrid | None = None
 
     def __post_init__(self) -> None:
         if self.fabric.transmission is None:

@@ -22,6 +22,7 @@ from ..gpu.scene_buffers import SceneBuffers
 from ..light.environment import rotation_y
 from ..progress import track
 from .energy import mean_albedo, reflection_limit
+from .holes import Holes
 from .layers import draw_layers
 from .rays import BLOCK, Picture, Rays, Tile
 from .shot import Shot, TraceStatistics
@@ -48,6 +49,7 @@ class Tracer:
         self._fabric = SceneBuffers(ctx)
         self._environment = EnvironmentMap(ctx)
         self._rays = Rays(ctx)
+        self._holes = Holes(ctx)
         self._software = is_software(ctx)
 
     # -- the scene -----------------------------------------------------------------------------------------------
@@ -204,11 +206,12 @@ class Tracer:
             "environment_from_world": rotation_y(-shot.env_rotate),
             "has_environment": shot.environment is not None,
             **sky,
+            **self._holes.inputs(shot),
         }
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (self.picture, self._materials, self._fabric, self._environment, self._rays):
+        for thing in (self.picture, self._materials, self._fabric, self._environment, self._rays, self._holes):
             thing.release()
         for structure in self._structures.values():
             structure.release()

@@ -7,6 +7,9 @@
 #include "trace/shared.glsl"
 #include "inputs/tracing/surface_at.glsl"
 #include "inputs/tracing/transmission.glsl"
+#ifdef HOLES
+#include "inputs/tracing/holes.glsl"
+#endif
 
 uniform float straight_share;  // of the yarns' light that passes, what goes on straight to the lamp
 
@@ -49,7 +52,16 @@ vec3 reckon(Visit visit, Ray ray) {
         Surface s = surface_at(i, hit.yz, -ray.d);
         vec3 omega = vec3(dot(ray.d, s.x), dot(ray.d, cross(s.N, s.x)), dot(ray.d, s.N));
         bool counts = triangle != NO_TRIANGLE && !known;
-        through *= counts ? T_sheet(omega, k_a, straight_share * k_t, tau, rho) : vec3(1.0);
+#ifdef HOLES
+        // Of the light to a pixel: what it covers, drawn together toward the lamp.
+        vec3 end = ray.o + ray.t_max * ray.d;
+        float width = pixel_width(end) * distance(ray.o + hit.x * ray.d, shines_from) / max(distance(end, shines_from), 1e-6);
+        float hole = hole_at(i, hit.yz, width, omega.z);
+        vec3 T = T_sheet_at(omega, k_a, straight_share * k_t, tau, rho, hole, hole_mean);
+#else
+        vec3 T = T_sheet(omega, k_a, straight_share * k_t, tau, rho);
+#endif
+        through *= counts ? T : vec3(1.0);
         earlier_t = vec4(latest_t.w, earlier_t.xyz);
         latest_t = vec4(hit.x, latest_t.xyz);
         triangle = lowest(visit.latest, visit.earlier);

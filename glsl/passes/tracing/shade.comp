@@ -9,7 +9,9 @@
 // head's layers have all been found at once and a transmitted ray is its parent's next layer; otherwise it is a new head.
 // Defines: CLOTH, 1: the rays that hit cloth, 0: the others (passes/tracing/sort.comp parts them). SPREAD, 1: draw the
 // transmitted direction from the lobes instead of going straight on. GI, 1: light comes from all around the room instead of
-// `ambient` ("indirect.glsl" finds it), and what cloth lets through is split as in woven/sheet.glsl: T_straight goes on, T_lambert is scattered.
+// `ambient` ("indirect.glsl" finds it), and what cloth lets through is split as in woven/sheet.glsl: T_straight goes on,
+// T_lambert is scattered. HOLES: holes
+// are where the weave has them, instead of everywhere alike.
 #include "trace/shared.glsl"
 #include "trace/intersect.glsl"
 #include "trace/spread.glsl"
@@ -17,6 +19,9 @@
 #include "inputs/tracing/local_light.glsl"
 #include "inputs/accel/ray.glsl"
 #include "inputs/tracing/claim.glsl"
+#ifdef HOLES
+#include "inputs/tracing/holes.glsl"
+#endif
 #if GI == 1
 #include "indirect.glsl"
 #endif
@@ -88,20 +93,27 @@ void main() {
 #else
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = -d * world_from_surface;
-    vec3 direct = weight.rgb * lamp_light_cloth(world_from_surface, omega_o, l);
+#ifdef HOLES
+    float hole = hole_at(triangle, at, pixel_width(p), omega_o.z), yarns = yarns_at(hole);
+#define THROUGH(k) T_sheet_at(omega_o, k_a, k, tau, rho, hole, hole_mean)
+#else
+    const float yarns = 1.0;
+#define THROUGH(k) T_sheet(omega_o, k_a, k, tau, rho)
+#endif
+    vec3 direct = weight.rgb * yarns * lamp_light_cloth(world_from_surface, omega_o, l);
 #if GI == 1
     vec3 E, E_behind;
     indirect_on_cloth(triangle, at, p, s.N, E, E_behind);
     vec3 even = cloth_albedo * E / PI;
-    vec3 through = T_straight(omega_o, k_a, k_t, tau, rho, diffuse);
+    vec3 through = THROUGH(k_t * (1.0 - 0.5 * diffuse));
 #if SPREAD == 0
     even += T_lambert(omega_o, k_t, tau, rho, diffuse) * E_behind / PI;
 #endif
 #else
     vec3 even = even_light(s);
-    vec3 through = T_sheet(omega_o, k_a, k_t, tau, rho);
+    vec3 through = THROUGH(k_t);
 #endif
-    vec3 seen = weight.rgb * even;
+    vec3 seen = weight.rgb * yarns * even;
     vec4 from = vec4(o, behind_layer(t));
     vec3 onward = d;
 #if SPREAD == 1
@@ -121,8 +133,8 @@ void main() {
     }
 #endif
     through *= weight.rgb;
-    float R = R_sheet(omega_o, k_t, rho, eta_1, eta_2);
-    vec3 mirrored = weight.rgb * R_limited(R, T_sheet(omega_o, k_a, k_t, tau, rho), cloth_albedo);
+    float R = yarns * R_sheet(omega_o, k_t, rho, eta_1, eta_2);
+    vec3 mirrored = weight.rgb * R_limited(R, THROUGH(k_t), min(yarns * cloth_albedo, 1.0));
     bool goes_on = live && level < last_level && largest(through) > cutoff;
     bool is_mirrored = live && level < last_level && largest(mirrored) > cutoff;
     uint onward_claim = goes_on ? claim(ONWARD) : 0u;
