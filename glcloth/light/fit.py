@@ -79,13 +79,17 @@ class FitReport:
         lines += ["      share  width  elevation  azimuth    red  green   blue"]
         widths = np.sqrt(2 / np.maximum(g.sharpness, 1e-6))
         rows = [("lobe", *row) for row in zip(flux, widths, g.axis, g.amplitude, strict=True)]
-        rows += [("sun ", *row) for row in zip(luminance(s.irradiance), s.radius, s.direction, s.irradiance, strict=True)]
+        rows += [
+            ("sun ", *row) for row in zip(luminance(s.irradiance), s.radius, s.direction, s.irradiance, strict=True)
+        ]
         for kind, share, radians, axis, color in rows:
             width = f"{np.degrees(radians):6.1f}"
             elevation, azimuth = np.degrees(np.arcsin(axis[1])), np.degrees(np.arctan2(axis[0], axis[2]))
             line = f"{kind} {share / whole:6.1%} {width} {elevation:10.1f} {azimuth:8.1f}"
             lines.append(line + "".join(f" {c:6.3g}" for c in color))
-        lines.append("angles in degrees (width: where the lobe falls to 1/e, the sun's radius; azimuth from +z toward +x)")
+        lines.append(
+            "angles in degrees (width: where the lobe falls to 1/e, the sun's radius; azimuth from +z toward +x)"
+        )
         errors = ", ".join(f"{fabric} {error:.1%}" for fabric, error in self.predicted.items())
         lines.append(f"residual {self.residual:.2%}; expected lighting error, of the mean brightness: {errors}")
         lines.append(f"{self.seconds:.2f} s" + (" (from the cache)" if self.cached else ""))

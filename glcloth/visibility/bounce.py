@@ -19,7 +19,9 @@ from .pixels import PixelVisibility
 from .sheets import sight
 from .vertices import COSINE
 
-BOUNCED = 3.0  # steepness of the weight of directions that bounced light comes from to cloth: that of light itself is FLAT
+BOUNCED = (
+    3.0  # steepness of the weight of directions that bounced light comes from to cloth: that of light itself is FLAT
+)
 
 
 class Bounce:

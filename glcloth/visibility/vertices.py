@@ -314,9 +314,9 @@ class VertexVisibility:
         self._bounce_sums.reserve(64 * len(self.probes.points))
         self.bounced.reserve(64 * vertices)
         counts = {"class_directions": len(self._traced[0]), "direction_count": self.done}
-        counts["steepness"] = steepness or self.steepness
+        weight = {"steepness": steepness or self.steepness}
         program = programs(self.ctx).compute("passes/visibility/bounce_gather.comp")
-        self._run_classes(program, counts, radiance_data=radiance, Sums=self._bounce_sums)
+        self._run_classes(program, counts | weight, radiance_data=radiance, Sums=self._bounce_sums)
         program = programs(self.ctx).compute("passes/visibility/bounce_spread.comp")
         own = {"sum_data": self._bounce_sums, "Means": self.bounced}
         program.run(vertices, self._data, own, vertex_count=vertices)
