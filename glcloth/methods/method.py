@@ -16,8 +16,8 @@ from ..gpu.buffers import Buffer
 from ..gpu.programs import Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
 from ..light.lights import Lights
-from ..visibility.hit_vertices import HitVertices
 from ..visibility.finer import SunOccluders
+from ..visibility.hit_vertices import HitVertices
 from ..visibility.sheets import Sheets
 from .settings import Settings
 

@@ -71,6 +71,7 @@ class Reference(Method):
         # With shadows: what rays meet, and with a bounce the irradiance of the vertices.
         self._geometry: Geometry = None  # type: ignore[assignment]  # `set_geometry` follows where it is read
         self._sun_directions = 0  # the last ones
+        self._mirror_sharpness = 1.0  # of what sheer cloth mirrors
         self._vertex_lights, self._irradiance = TextureBuffer(ctx, 16), TextureBuffer(ctx, 16)
         self._light: tuple = ()  # what the irradiance is of, beside the geometry,
         self._lit: tuple | None = None  # and both once it is made
@@ -129,6 +130,8 @@ class Reference(Method):
         self._light = settings.light, source, rotation, min(settings.cube, BOUNCE_CUBE)
         self._bounce_light = partial(self._directions, lights, settings, min(settings.cube, BOUNCE_CUBE))
         points = SUN_POINTS if self.traced and settings.light != "map" else 1
+        # About four directions are within it.
+        self._mirror_sharpness = 6 * settings.cube**2 / 8
         self._sun_directions = 0 if settings.light == "map" else points * len(lights.suns)
         self._uploaded.get(
             lambda: self._upload_light(self._directions(lights, settings, settings.cube, points)),
@@ -217,11 +220,12 @@ class Reference(Method):
 
     def inputs(self) -> dict[str, Any]:
         """What the pass file and passes/picture/lambert.frag read, but for the range of a pass."""
+        own = {"direction_data": self._data, "mirror_sharpness": self._mirror_sharpness}
         if not self.traced:
-            return {"direction_data": self._data}
+            return own
         return {
             **self._geometry.inputs(),
-            "direction_data": self._data,
+            **own,
             "irradiance_data": self._irradiance if self.bounces else self._data,
             "bounces": self.bounces,
             "light_behind": self.bounces,

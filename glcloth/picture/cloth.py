@@ -17,7 +17,7 @@ from ..gpu.scene_buffers import SceneBuffers
 from ..methods.albedo import diffuse_albedo
 from ..methods.method import Method
 from ..methods.registry import make_method
-from ..tracing.energy import reflection_limit
+from ..tracing.energy import mean_albedo, reflection_limit
 from ..visibility.hit_vertices import HitSurface
 from ..visibility.irradiance import irradiance_table
 from ..visibility.pixels import SEEN_ALL, PixelView
@@ -103,6 +103,7 @@ class ClothSurface(Surface):
         limit = 1.0
         if self.transmission is not None:
             limit = self._limit.get(lambda: reflection_limit(fabric), fabric)
+            self._mirror_albedo = limit * mean_albedo(fabric)
         self.visibility.passed = self._passed.get(lambda: Passed.of(fabric.transmission), fabric)
         self.visibility.limit = limit
         self.adaptive &= limit == 1.0  # its passes have no weight
@@ -234,7 +235,8 @@ class ClothSurface(Surface):
             view.resolve_behind()
             table = irradiance_table(self.ctx, self._lights)
             light = {**self.scene_buffers.inputs(), **table, **view.behind_inputs()}
-        buffer.shade(program, self.straight_inputs(buffer), light, {"pass_weight": weight}, add=True, rows=rows)
+        own = {"pass_weight": weight, "mirror_albedo": self._mirror_albedo}
+        buffer.shade(program, self.straight_inputs(buffer), light, own, add=True, rows=rows)
 
     def shade_adaptively(self, buffer: GBuffer, view: PixelView, pace: Pace) -> Iterator[None]:
         if self.adaptive_rate is None:

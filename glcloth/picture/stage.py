@@ -133,7 +133,9 @@ class Stage:
         if not len(frame.lights.suns):
             return None
         structure = self.occluders(frame)
-        return self._sun_occluders.get(lambda: self._cut(frame, structure), structure, tuple(surface.original for surface in self.surfaces))
+        return self._sun_occluders.get(
+            lambda: self._cut(frame, structure), structure, tuple(surface.original for surface in self.surfaces)
+        )
 
     def _cut(self, frame: Frame, structure: Structure) -> SunOccluders:
         hit, coarse = self._bounce.hit_vertices, structure.triangles

@@ -80,7 +80,7 @@ class Sky:
 
     def _take_suns(self, suns: Suns) -> None:
         self.suns = suns
-        key = (array.tobytes() for array in (suns.direction, suns.irradiance, suns.radius))
+        key = (np.asarray(array).tobytes() for array in (suns.direction, suns.irradiance, suns.radius))
         self._sun.get(lambda: self._suns.write(sun_records(suns)), *key)
 
     def inputs(self) -> dict[str, Any]:

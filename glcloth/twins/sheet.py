@@ -103,3 +103,9 @@ def T_lambert(omega, k_t, tau, rho, diffuse):
     share = (1 - holes_of_even_light(T_open(omega, rho), rho)) * k_t * diffuse / 2
     slant = np.maximum(np.abs(omega[..., 2]), 0.1)[..., None]
     return share[..., None] * diffuse_transmittance(tau / 2) * np.exp(-tau / 2 / slant)
+
+
+def R_beside(omega, k_a, k_t, tau, rho, diffuse, eta_1, eta_2, albedo):
+    """What a layer mirrors toward omega of the light of one direction, where it reflects `albedo` of even light.   [own]"""
+    T = T_straight(omega, k_a, k_t, tau, rho, diffuse) + T_lambert(omega, k_t, tau, rho, diffuse)
+    return R_limited(R_sheet(omega, k_t, rho, eta_1, eta_2), T, albedo)

@@ -24,4 +24,6 @@ def disc_direction(middle, tan_radius, at):
 
 def disc_directions(middle, radius, count):
     """Directions [count, 3] spread evenly over a disc about `middle` [3]."""
-    return disc_direction(np.tile(middle, (count, 1)), np.full(count, np.tan(radius)), disc_point(np.arange(count), count, 0.0))
+    return disc_direction(
+        np.tile(middle, (count, 1)), np.full(count, np.tan(radius)), disc_point(np.arange(count), count, 0.0)
+    )

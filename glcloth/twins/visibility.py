@@ -121,13 +121,9 @@ def mean_visibility(bits, N, directions, table, steepness=8.0):
     return V
 
 
-def all_bounces(first, two, most):
-    """All bounces from the first and the first two: each later one is to the one before as the second is to the first, but no
-    more than `most`, what surfaces reflect of what they hide.   [own]"""
-    first, two, most = (np.asarray(v, float) for v in (first, two, most))
-    second = np.maximum(two - first, 0.0)
-    ratio = np.minimum(second / np.maximum(first, 1e-12), np.clip(most, 0.0, 0.95))
-    return first + second / (1.0 - ratio)
+def later_bounces(albedo, hidden):
+    """All later bounces over the first, between surfaces like this one: 1 + (albedo hidden) + (albedo hidden)^2 + ...   [own]"""
+    return 1.0 / (1.0 - np.clip(np.asarray(albedo, float) * np.asarray(hidden, float)[..., None], 0.0, 0.95))
 
 
 def packed_sums(seen, all):

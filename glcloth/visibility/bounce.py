@@ -17,6 +17,11 @@ from .hit_vertices import HitVertices
 from .irradiance import irradiance_table
 from .pixels import PixelVisibility
 from .sheets import sight
+from .vertices import COSINE
+
+BOUNCED = (
+    3.0  # steepness of the weight of directions that bounced light comes from to cloth: that of light itself is FLAT
+)
 
 
 class Bounce:
@@ -54,14 +59,12 @@ class Bounce:
             self._send_back(number, visibility, share, source)
         yield
         for visibility, _ in surfaces:
-            visibility.vertices.gather(self._radiance)
+            visibility.vertices.gather(self._radiance, COSINE)
             yield
         for number, (visibility, share) in enumerate(surfaces):
             self._send_again(number, visibility, share)
-        most = np.max([np.reshape(share, (-1, share.shape[-1]))[:, :3].max(0) for _, share in surfaces], axis=0)
-        passed = np.max([visibility.passed.evenly for visibility, _ in surfaces], axis=0)
         for visibility, _ in surfaces:
-            visibility.vertices.gather(self._again, most + passed)
+            visibility.vertices.gather(self._again, min(visibility.vertices.steepness, BOUNCED))
             yield
         self._key = key, surfaces[0][0].structure
 

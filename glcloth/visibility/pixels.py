@@ -336,6 +336,8 @@ class PixelView:
             "sees_suns": visibility.mode == "off",
             "gathers": full and gathers,
             **({} if self._seen_behind is None else {"seen_behind": self._seen_behind}),
+            **({} if self.seen is None else {"seen": self.seen}),
+            **({} if self._bounced is None else {"bounced_light": self._bounced}),
         }
 
     def resolve_bounce(self) -> None:

@@ -301,28 +301,25 @@ class VertexVisibility:
             table = np.concatenate([table, own])
         return table
 
-    def gather(self, radiance: TextureBuffer, most_reflected: np.ndarray | None = None) -> None:
+    def gather(self, radiance: TextureBuffer, steepness: float | None = None) -> None:
         """Make `bounced` from the vertices that the fixed directions ended at: of each vertex front and back the mean
         radiance that comes back to it, and the mean of its luminance times its direction.
 
         Parameters
         ----------
         radiance : of all vertices in the numbering of `hit_vertices`, front and back
-        most_reflected : [3] by any of them, where the radiance has the first bounce in it, which `bounced` is: then it becomes
-            that of all bounces
+        steepness : of the weight of directions; None: that of the means
         """
         vertices = self.probes.spread.shape[0]
         self._bounce_sums.reserve(64 * len(self.probes.points))
         self.bounced.reserve(64 * vertices)
-        counts = {"class_directions": len(self._traced[0]), "direction_count": self.done, "steepness": self.steepness}
+        counts = {"class_directions": len(self._traced[0]), "direction_count": self.done}
+        weight = {"steepness": steepness or self.steepness}
         program = programs(self.ctx).compute("passes/visibility/bounce_gather.comp")
-        self._run_classes(program, counts, radiance_data=radiance, Sums=self._bounce_sums)
+        self._run_classes(program, counts | weight, radiance_data=radiance, Sums=self._bounce_sums)
         program = programs(self.ctx).compute("passes/visibility/bounce_spread.comp")
         own = {"sum_data": self._bounce_sums, "Means": self.bounced}
-        again = most_reflected is not None
-        means = {"mean_data": self.means, "group_count": self.groups, "again": again}
-        means["most_reflected"] = most_reflected if again else np.zeros(3)
-        program.run(vertices, self._data, own, means, vertex_count=vertices)
+        program.run(vertices, self._data, own, vertex_count=vertices)
         self.bounced_version += 1
 
     # -- reading back ------------------------------------------------------------------------------------------------

@@ -20,12 +20,10 @@ float from_bands(vec3 omega, vec4 low, vec4 middle, float top) {
     return dot(quadrant_shares(omega), bands.x * low + bands.y * middle) + bands.z * top;
 }
 
-// [own]  All bounces from the first and the first two: each later one is to the one before as the second is to the first, but no
-// more than `most`, what surfaces reflect of what they hide.
-vec3 all_bounces(vec3 first, vec3 two, vec3 most) {
-    vec3 second = max(two - first, vec3(0.0));
-    vec3 ratio = min(second / max(first, vec3(1e-12)), clamp(most, vec3(0.0), vec3(0.95)));
-    return first + second / (1.0 - ratio);
+// [own]  All later bounces over the first, between surfaces like this one: 1 + (albedo hidden) + (albedo hidden)^2 + ..., where a
+// share of the light about it is `hidden`.
+vec3 later_bounces(vec3 albedo, float hidden) {
+    return 1.0 / (1.0 - clamp(albedo * hidden, vec3(0.0), vec3(0.95)));
 }
 
 // [own]  The seen part and the whole (>= 0), four times, in a word each: the share in the low 16 bits, and in

@@ -108,3 +108,9 @@ vec3 T_lambert(vec3 omega, float k_t, vec3 tau, float rho, float diffuse) {
     return (1.0 - holes_of_even_light(T_open(omega, rho), rho)) * k_t * 0.5 * diffuse * light
         * exp(-0.5 * tau / max(abs(omega.z), 0.1));
 }
+
+// [own]  What a layer mirrors toward omega of the light of one direction, where it reflects `albedo` of even light.
+float R_beside(vec3 omega, float k_a, float k_t, vec3 tau, float rho, float diffuse, float eta_1, float eta_2, vec3 albedo) {
+    vec3 T = T_straight(omega, k_a, k_t, tau, rho, diffuse) + T_lambert(omega, k_t, tau, rho, diffuse);
+    return R_limited(R_sheet(omega, k_t, rho, eta_1, eta_2), T, albedo);
+}

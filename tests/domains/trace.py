@@ -112,7 +112,8 @@ SPECIAL = {
     ("ground_place", "scale"): between(0.1, 5.0),
     ("ground_place", "rings"): choice(84.0, 20.0),
     ("ground_place", "sectors"): choice(112.0, 16.0),
-    **{("all_bounces", name): lambda rng, count: rng.random((count, 3)) for name in ("first", "two", "most")},
+    ("later_bounces", "albedo"): lambda rng, count: rng.random((count, 3)),
+    ("later_bounces", "hidden"): between(0.0, 1.0),
     # More is seen than there is only where there is nothing.
     ("packed_sums", "seen"): lambda rng, count: 1e-3 * rng.random((count, 4)) * (rng.random((count, 4)) < 0.8),
     ("packed_sums", "all"): lambda rng, count: 10.0 ** rng.uniform(-3, 3, (count, 4)),

@@ -58,7 +58,7 @@ SPECIAL = {
     },
     **{
         (name, "omega"): off_horizon(directions)
-        for name in ("T_open", "T_sheet", "T_sheet_at", "T_straight", "T_lambert", "R_sheet", "G_1_smith")
+        for name in ("T_open", "T_sheet", "T_sheet_at", "T_straight", "T_lambert", "R_sheet", "R_beside", "G_1_smith")
     },
     **{(name, o): off_horizon(directions) for name in ("covered", "absorption") for o in ("omega_i", "omega_o")},
 }
@@ -78,4 +78,5 @@ TOLERANCE = {
     "T_lambert": (3e-5, 1e-5),
     "f_lambert": (3e-5, 1e-5),
     "R_sheet": (3e-5, 1e-5),
+    "R_beside": (3e-5, 3e-5),
 }

@@ -94,7 +94,10 @@ def dress():
 def coat():
     """Body, sleeves, cuffs, collar, lining and belt."""
     front = 0.5
-    x, z = tube(62.0, 146.0, 2.6, 7.0, (5, 1.3), front, 110, 320), tube(62.5, 145.5, 1.9, 6.8, (5, 1.3), front, 110, 320)
+    x, z = (
+        tube(62.0, 146.0, 2.6, 7.0, (5, 1.3), front, 110, 320),
+        tube(62.5, 145.5, 1.9, 6.8, (5, 1.3), front, 110, 320),
+    )
     return {
         "Shell": [x],
         "Lining": [z],

@@ -49,10 +49,8 @@ def main():
     )
     common.head("map", "fabric", "what", "mean", "99 %", "cpu s")
     mesh = glcloth.load_mesh(options.mesh)
-    middle = mesh.center
-    camera = glcloth.Camera(
-        tuple(map(float, middle + [0.4, 0.5, 3.0])), tuple(map(float, middle + [0.0, 0.25, 0.0])), fov_deg=14.0
-    )
+    eye, target = (tuple((mesh.center + np.array(step)).tolist()) for step in ((0.4, 0.5, 3.0), (0.0, 0.25, 0.0)))
+    camera = glcloth.Camera(eye, target, fov_deg=14.0)
     for env in options.environments:
         lights = glcloth.fit_lights(glcloth.load_environment(env))
         points = replace(lights, suns=replace(lights.suns, radius=np.zeros(len(lights.suns))))

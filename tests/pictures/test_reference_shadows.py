@@ -16,7 +16,7 @@ from glcloth.twins import cloth, intersect
 
 LIGHTS = Lights(
     SphericalGaussians([[0, 1, 0], [0.6, 0.3, 0.7]], [2.0, 20.0], [[0.5, 0.6, 0.8], [3.0, 2.5, 2.0]]),
-    Suns([[-0.5, 0.6, 0.6]], [[5.0, 4.5, 4.0]]),
+    Suns([[-0.5, 0.6, 0.6]], [[5.0, 4.5, 4.0]], 0.0),  # a point: the sum has one direction
 )
 SIZE, CUBE = (24, 18), 8
 SCENE = dict(lights=LIGHTS, method="reference", cube=CUBE, size=SIZE, background=False)

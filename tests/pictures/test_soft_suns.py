@@ -37,14 +37,15 @@ def over_a_floor(*others, floor=4):
 def half_plane(height):
     """Cloth over x < 0, at a height, that the camera above looks past."""
     positions, triangles, _, _ = shapes.plane(6.0, 8)
-    return positions + [-3.0, 0.0, height], triangles
+    return positions + np.array([-3.0, 0.0, height]), triangles
 
 
 def seen_share(renderer, mesh, lights, **look):
     """What share of a sun the pixels see."""
     look = {"fabric": "linen", "camera": ABOVE, "size": SIZE, "background": False} | look
     lit, shaded = (
-        renderer.render(mesh=mesh, lights=lights, shadows=shadows, **look)[..., :3].mean(-1) for shadows in ("off", "sun")
+        renderer.render(mesh=mesh, lights=lights, shadows=shadows, **look)[..., :3].mean(-1)
+        for shadows in ("off", "sun")
     )
     return shaded / np.maximum(lit, 1e-9), lit > 1e-3
 

@@ -11,7 +11,7 @@ from glcloth.gpu.gbuffer import Drawn
 from glcloth.light.environment import from_array
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.cloths import Cloth
-from glcloth.tracing.energy import directional_albedo, reflection_limit
+from glcloth.tracing.energy import directional_albedo, mean_albedo, reflection_limit
 from glcloth.twins import sheet
 
 SIZE = (9, 7)
@@ -77,11 +77,15 @@ def test_a_background_that_is_off_leaves_transparency(renderer):
 @pytest.mark.parametrize("method", ["direct", "reference"])
 @pytest.mark.parametrize("fabric", FABRICS)
 def test_white_furnace(renderer, fabric, method):
-    """Light from everywhere: what is reflected, and passes evenly and straight on; never more than comes."""
+    """Light from everywhere: what is reflected and mirrored, and passes evenly and straight on; never more than comes."""
     t = load_fabric(fabric).transmission
     for slant in (0, 60):
         o = omega(slant)
         expected = directional_albedo(load_fabric(fabric), o) + even(t, o) + straight(t, o)
+        albedo = reflection_limit(load_fabric(fabric)) * mean_albedo(load_fabric(fabric))
+        expected = expected + sheet.R_beside(
+            o, t.k_a, t.k_t, np.array(t.tau), t.rho, t.diffuse, t.eta_1, t.eta_2, albedo
+        )
         got = render(renderer, sheets(0.0), slant, EVEN, fabric, method=method, cube=16)
         np.testing.assert_allclose(got, expected, rtol=0.02)
         assert (got <= 1.0).all()

@@ -9,6 +9,8 @@ uniform sampler2DArray seen_behind;    // passes/visibility/suns_behind.comp: a 
 uniform int group_count;               // of mean_data
 uniform bool sees_gaussians;  // all of each; else as mean_data says
 uniform bool sees_suns;       // likewise
+uniform sampler2DArray seen;          // of the side that is seen: V_0, V_1 .. V_K, four a texel
+uniform sampler2DArray bounced_light;  // passes/visibility/bounce_pixels.comp
 uniform bool gathers;         // bounced_data holds the bounced light
 
 vec3 weights;
@@ -50,4 +52,16 @@ vec3 L_behind(ivec2 pixel, vec3 omega_o, mat3 surface_from_world) {
             + weights.z * texelFetch(bounced_data, at.z).rgb);
     }
     return L + T_lambert(omega_o, k_t, tau, rho, diffuse) / PI * E;
+}
+
+// Radiance of the Gaussians, as far as the pixel sees them, along omega_i (surface frame, z > 0), and of what hides them, as far
+// as it is known: in the mean. Suns have their lobes.
+vec3 L_mirrored(ivec2 pixel, vec3 omega_i, mat3 surface_from_world) {
+    vec3 omega = omega_i * surface_from_world, L = vec3(0.0);
+    for (int k = 0; k < gaussian_count; ++k) {
+        Gaussian light = fetch_gaussian(k);
+        float V = sees_gaussians ? 1.0 : texelFetch(seen, ivec3(pixel, (1 + k) >> 2), 0)[(1 + k) & 3];
+        L += light.L * (V * exp(light.sharpness * (dot(omega, light.xi) - 1.0)));
+    }
+    return max(L, vec3(0.0)) + (gathers ? texelFetch(bounced_light, ivec3(pixel, 0), 0).rgb : vec3(0.0));
 }

@@ -6,7 +6,7 @@ uniform usamplerBuffer hit_data;      // passes/visibility/hits.comp
 uniform samplerBuffer radiance_data;  // passes/visibility/bounce_radiance.comp
 uniform samplerBuffer probe_data;
 uniform samplerBuffer direction_data;
-layout(std430) writeonly buffer Sums { vec4 sums[]; };  // of a probe front and back: radiance, weight; luminance x direction
+layout(std430) writeonly buffer Sums { vec4 sums[]; };  // of a probe front and back: radiance, weight; luminance x direction, weight of hits
 uniform int first_probe[9];           // of each class, and the one after the last
 uniform int probe_count;
 uniform int class_directions;         // directions of each class in direction_data,
@@ -20,13 +20,17 @@ void main() {
     int base = class_directions * int(gl_WorkGroupID.y);
     vec4 front = vec4(0.0), back = front;
     vec3 from = vec3(0.0), from_back = from;
+    vec2 hidden = vec2(0.0);
     for (int d = 0; d < direction_count; ++d) {
         vec3 omega = texelFetch(direction_data, base + d).xyz;
         float cos_theta = dot(omega, N);
         vec2 w = clamp(vec2(cos_theta, -cos_theta), 0.0, 1.0);
         uint hit = texelFetch(hit_data, d * probe_count + i).x;
         vec3 L = vec3(0.0);
-        if (hit != 0xffffffffu) L = texelFetch(radiance_data, int(hit)).rgb;
+        if (hit != 0xffffffffu) {
+            L = texelFetch(radiance_data, int(hit)).rgb;
+            hidden += w;
+        }
         front += w.x * vec4(L, 1.0);
         back += w.y * vec4(L, 1.0);
         w *= dot(L, vec3(0.2126, 0.7152, 0.0722));
@@ -34,7 +38,7 @@ void main() {
         from_back += w.y * omega;
     }
     sums[4 * i] = front;
-    sums[4 * i + 1] = vec4(from, 0.0);
+    sums[4 * i + 1] = vec4(from, hidden.x);
     sums[4 * i + 2] = back;
-    sums[4 * i + 3] = vec4(from_back, 0.0);
+    sums[4 * i + 3] = vec4(from_back, hidden.y);
 }
