@@ -45,7 +45,7 @@ def points_of(suns: Suns, count: int) -> Suns:
     """So many points of each sun's disc as suns; for one its middle."""
     if count == 1 or not len(suns):
         return suns
-    each = zip(suns.direction, suns.radius, strict=True)
+    each = zip(suns.direction, np.asarray(suns.radius), strict=True)
     direction = np.concatenate([disc_directions(middle, radius, count) for middle, radius in each])
     return Suns(direction, np.repeat(suns.irradiance / count, count, axis=0), 0.0)
 
