@@ -345,7 +345,7 @@ class Scene(Value):
     light: Literal["sg", "map"] = reference("", "the fitted lights, or the map itself (reference, path)", default="sg")
     shadows: ShadowMode = cloth(
         "", "what the cloth hides from itself: nothing, the suns, or all the light", default="full")
-    bounce: bool = cloth("", "light from fold to fold, once (with shadows full)", default=True)
+    bounce: bool = cloth("", "light from fold to fold; reference: once (with shadows full)", default=True)
     segments: int = paper("", "theta segments per Gaussian; the paper has 6", default=6, ge=2, le=64)
     cube: int = reference("texels", "edge of the cube map whose directions are summed", default=32, ge=4, le=128)
     grid: int = paper("", "directions per axis of the tables; a change makes new ones", default=48, ge=8, le=96)

@@ -35,7 +35,7 @@ class SceneOptions:
     adaptive: Annotated[bool | None, Parameter(help="Shade one pixel in four where neighbours are alike; small pictures in the window always do (method direct).")] = None
     light: Annotated[str | None, Parameter(help="The fitted lights, or the map itself (reference, path) (sg or map; method reference).")] = None
     shadows: Annotated[str | None, Parameter(help="What the cloth hides from itself: nothing, the suns, or all the light (off, sun or full).")] = None
-    bounce: Annotated[bool | None, Parameter(help="Light from fold to fold, once (with shadows full).")] = None
+    bounce: Annotated[bool | None, Parameter(help="Light from fold to fold; reference: once (with shadows full).")] = None
     segments: Annotated[int | None, Parameter(help="Theta segments per Gaussian; the paper has 6 (2 to 64; method paper).")] = None
     cube: Annotated[int | None, Parameter(help="Edge of the cube map whose directions are summed (4 to 128 texels; method reference).")] = None
     grid: Annotated[int | None, Parameter(help="Directions per axis of the tables; a change makes new ones (8 to 96; method paper).")] = None

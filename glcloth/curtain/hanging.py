@@ -101,7 +101,7 @@ class CurtainSimulation:
         cloth.set_parameters(dataclasses.replace(cloth.parameters, **own))
         # Once it turns it may turn back.
         if strong and m.heading != "rings" and cloth.rail is None:
-            cloth.rail = Rail(cloth.ctx, self._heading)
+            cloth.rail = Rail(cloth.ctx, self._heading, cloth.rows)
 
     def change(self, parameters: CurtainParameters) -> bool:
         """Take other parameters while the curtain moves; False, and nothing done, where it must be hung anew for them."""

@@ -58,8 +58,8 @@ def find_rims(ctx: moderngl.Context, positions: np.ndarray, structure: Structure
     tree = cKDTree(ends[rim, 0] + share[:, None] * (ends[rim, 1] - ends[rim, 0]))
     middle = corners.mean(1)
     radius = np.linalg.norm(corners - middle[:, None], axis=2).max(1)
-    for t, near in enumerate(tree.query_ball_point(middle, radius + 1.5 * reach)):
-        found = np.unique(rim[near])
+    for t in range(T):  # one at a time: the lists of all together have no bound
+        found = np.unique(rim[tree.query_ball_point(middle[t], radius[t] + 1.5 * reach)])
         agree = normals[owner[found]] @ normals[t]
         off = np.abs((ends[found].mean(1) - middle[t]) @ normals[t])
         found = found[(agree > AGREE) & (off < np.where(agree > FLAT, CLOSE, 0.3 * reach))]

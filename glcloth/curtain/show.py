@@ -152,7 +152,7 @@ class CurtainShow:
             self.environment = environment
         elif any(getattr(scene, name) != getattr(here, name) for name in ("env", "layer", "env_layout")):
             self.environment = load_environment(scene.env, scene.layer, scene.env_layout)
-        self.scene, self.fabric = scene, fabric
+        self.scene, self.fabric, self._lit_frame = scene, fabric, -1
         return True
 
     def goes_on_to(self, scene: Scene) -> bool:
@@ -166,7 +166,7 @@ class CurtainShow:
         facts = {
             "method": self.scene.method, "fabric": self.fabric.name, "frame": self.frame, "triangles": self.triangles.count
         }  # fmt: skip
-        if self.scene.method == "path":
+        if self.scene.method == "path" and self._paths is not None:  # None: only layers were drawn
             sums = self.paths.tracer.sums()
             facts |= {"samples": sums.samples, "noise_percent": round(sums.noise, 4)}
         return facts
@@ -174,6 +174,11 @@ class CurtainShow:
     def is_built(self, accelerator: str) -> bool:
         """Whether a structure holds the present frame."""
         return accelerator in self._built
+
+    @property
+    def is_lit(self) -> bool:
+        """Whether the photons of the present frame are there, and no others are being found."""
+        return self._lit_frame == self.frame
 
     def build(self) -> None:
         """Build the scene's structure for the present frame, if it is not yet."""
@@ -282,9 +287,9 @@ class CurtainShow:
         for _ in self.building(PHOTON_STRUCTURE if name == "brute" else name):
             pass
         structure = self.tracer.structure(PHOTON_STRUCTURE if name == "brute" else name)
-        self._lit_frame = -1
 
         def of_sample(sample: int) -> Iterator[Mapping[str, Any]]:
+            self._lit_frame = -1
             yield from self.photons.steps(shot, self.tracer.inputs(shot), structure, photons, sample)
             self._lit_frame = self.frame
 
@@ -335,7 +340,7 @@ class CurtainShow:
 
     def _photon_tree(self) -> dict[str, np.ndarray]:
         """The part of the photons' tree that lies in the room, those of the last picture of this frame or of a first sample."""
-        if self._lit_frame != self.frame:
+        if not self.is_lit:
             renewed = self.lit(self.shot()).renewed
             assert renewed is not None
             for _ in renewed(0):
@@ -378,9 +383,10 @@ def show_at_its_frame(
     Raises InputError for wrong files and values.
     """
     if last is None or not last.goes_on_to(scene) or not last.change(scene, environment):
+        new = CurtainShow(ctx, scene, environment=environment)  # where that fails, the last one goes on to serve
         if last is not None:
             last.release()
-        last = CurtainShow(ctx, scene, environment=environment)
+        last = new
     count = scene.frame - last.frame
     for _ in track(range(count), "the wind blows: frames", count):
         last.advance()

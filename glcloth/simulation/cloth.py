@@ -113,10 +113,10 @@ class Rail:
     FASTEST = 12.0  # rad/s
     BELOW = 2  # rows: the mean place of that below the heading says where the cloth goes
 
-    def __init__(self, ctx: moderngl.Context, heading: np.ndarray):
+    def __init__(self, ctx: moderngl.Context, heading: np.ndarray, cloth_rows: int):
         """`heading` [rows, columns, 3], m, at rest: level, with the rail in the middle of its last row."""
         self.ctx, (rows, self.columns) = ctx, heading.shape[:2]
-        self.row, self.held = rows + self.BELOW, rows * self.columns
+        self.row, self.held = min(rows + self.BELOW, cloth_rows - 1), rows * self.columns
         self.axis = float(heading[-1, 0, 1]), float(heading[..., 2].min() + heading[..., 2].max()) / 2
         data = np.zeros((1 + self.held, 4), np.float32)
         data[1:, :3] = heading.reshape(-1, 3) - [0.0, *self.axis]

@@ -28,7 +28,7 @@ from .rays import BLOCK, Picture, Rays, Tile
 from .shot import Shot, TraceStatistics
 
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
-# A GPU waits for the CPU once a tile and generation, and has the memory: 16 tiles of 1920x1080 take twice as long as two.
+# A GPU waits for the CPU once a tile, and has the memory: 16 tiles of 1920x1080 take twice as long as two.
 GPU_TILE_PIXELS = 1 << 20
 OFF = 8  # times the padding of boxes: how far off the surface new rays begin
 

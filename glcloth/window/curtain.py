@@ -83,12 +83,15 @@ class Player(Slices):
 
     @property
     def built(self) -> tuple | None:
-        """The curtain, its frame and the structure that holds it; None while it moves or that is not built."""
+        """The curtain, its frame and the structure that holds it; None while it moves or that is not built, or while photons,
+        of whom there is a tree too, are being found."""
         curtain = self.curtain
         if curtain is None or self._hanging is not None or self._moving is not None:
             return None
-        name = curtain.scene.accelerator
-        return (curtain, curtain.frame, name) if curtain.is_built(name) else None
+        name, photons = curtain.scene.accelerator, curtain.scene.gi == "photons"
+        if not curtain.is_built(name) or (photons and not curtain.is_lit):
+            return None
+        return curtain, curtain.frame, "photons" if photons else name
 
     def show(self, scene: Scene, environment: Environment, other: Scene | None = None, layered: bool = False) -> bool:
         """Draw this scene from now on, and beside it the same curtain as `other` has its fabric, structure and rays;
@@ -283,13 +286,14 @@ class Player(Slices):
             return max(64, int(SLICE / self._pace.get(key, FIRST_PACE)))
 
         for done, seconds in timed(self.curtain.steps(size, spp, pixels, scene if number else None)):
-            # The fixed cost of every tile is no reason for smaller ones.
-            spent = max(seconds - FIXED, 0.25 * seconds)
-            pace = spent / max((done - drawn) * size[0] * size[1] * spp, 1.0)
-            # Tiles of sky alone are quick: the slow ones count more.
-            before = self._pace.get(key, pace)
-            self._pace[key] = before + (0.5 if pace > before else 0.1) * (pace - before)
-            drawn = done
+            if done > drawn:  # else photons were found
+                # The fixed cost of every tile is no reason for smaller ones.
+                spent = max(seconds - FIXED, 0.25 * seconds)
+                pace = spent / max((done - drawn) * size[0] * size[1] * spp, 1.0)
+                # Tiles of sky alone are quick: the slow ones count more.
+                before = self._pace.get(key, pace)
+                self._pace[key] = before + (0.5 if pace > before else 0.1) * (pace - before)
+                drawn = done
             yield done
         if number == 0:
             self.timings.trace = self.curtain.tracer.statistics.total_ms

@@ -99,6 +99,15 @@ def test_wrong_input(ctx):
         bench_curtain(ctx, SMALL, frames=0)
 
 
+def test_a_scene_that_cannot_be_leaves_the_last_one(renderer):
+    before = renderer.render(SMALL)
+    with pytest.raises(InputError, match="too soft"):
+        renderer.render(SMALL.changed(curtain=SMALL.curtain.changed(bending=1.0, settle=0.0)))
+    assert np.array_equal(renderer.render(SMALL), before)
+    renderer.show(SMALL.changed(method="path")).layers()
+    assert "samples" not in renderer.facts()
+
+
 def test_layers_of_the_curtain_are_what_its_rays_meet(renderer):
     scene = SMALL.changed(size=(40, 30), spp=2)
     wanted = "depth,normal,position,uv,mask,cryptomatte"

@@ -64,6 +64,24 @@ def test_a_lamp_on_a_wall_is_exact(renderer):
     assert traced(renderer.ctx, behind, camera, DARK, samples=1, lamp=lamp).picture[..., :3].max() < 1e-6
 
 
+def test_needles_of_sheer_cloth_dim_light_once(renderer, monkeypatch):
+    """A hierarchy holds them in several leaves; a lamp shines through three cones of them on the floor."""
+    angle = 2.0 * np.pi * np.arange(1000) / 1000
+    rim = np.stack([np.cos(angle), np.sin(angle), 0.1 + 0.05 * np.sin(5 * angle)], -1)
+    apex = np.broadcast_to([0.0, 0.0, 1.0], rim.shape)
+    cone = np.stack([apex, rim, np.roll(rim, -1, 0)], 1)
+    fan = faceted(np.concatenate([cone, 0.99 * cone, 0.98 * cone]).astype(np.float32))
+    world = PathWorld(((fan, load_fabric("sheer_voile")),), ((faceted(2 * SQUARE), np.full((2, 3), 0.5)),))
+    camera, lamp = Camera((0.5, 0.3, 0.05), (0.0, 0.0, 0.0), fov_deg=40.0), Lamp((0.5, -0.4, 3.0), (5.0, 5.0, 5.0))
+    means = []
+    for most in (1.0, 1e9):
+        monkeypatch.setattr("glcloth.accel.needles.MOST_BOXES", most)
+        means.append(
+            traced(renderer.ctx, world, camera, DARK, samples=2, lamp=lamp, vertices=1).picture[..., :3].mean()
+        )
+    assert means[0] == pytest.approx(means[1], rel=1e-4) and means[1] > 0.005
+
+
 @pytest.mark.parametrize("name", ["sheer_voile"])
 def test_lobes_that_are_drawn_keep_the_energy(renderer, name):
     fabric = load_fabric(name)

@@ -33,7 +33,9 @@ void accept(inout Visit visit, Ray ray, uint tag, vec4 hit, vec2 window) {
     // Numbers of solid triangles and of a ground are larger than others.
     float first = max(window.x - 1e-5 * (1.0 + window.x), ray.t_min);
     float last = min(window.y + 1e-5 * (1.0 + window.y), visit.t);
-    if (!(hit.x > first && hit.x < last) || tag == visit.latest.x) return;
+    if (!(hit.x > first && hit.x < last)) return;
+    // A long thin triangle lies in several leaves (glcloth/accel/needles.py).
+    if (any(equal(visit.latest, uvec4(triangle))) || any(equal(visit.earlier, uvec4(triangle)))) return;
     bool blocked = tag >= 0x7fffffffu || visit.layers == NOTED_LAYERS;
     visit.t = blocked ? 0.0 : visit.t;
     visit.earlier = uvec4(visit.latest.w, visit.earlier.xyz);

@@ -28,7 +28,7 @@ uniform uint seed;
 uniform bool keep_lamp;           // note the lamp's own light too
 uniform int solid_triangles;      // of the room, with two places each, front and back; then those of the cloth
 uniform float offset;             // how far off the surface new rays begin
-uniform float beyond;             // further than this there is nothing
+uniform float beyond;             // further than this from a point of the scene there is nothing
 
 const int SKY_ACROSS = 64;
 const int EVENTS = 96;            // surfaces on a way
@@ -76,8 +76,9 @@ Photon of_lamp(vec2 u) {
     float r2 = max(dot(way, way), 1e-12);
     vec3 d = way * inversesqrt(r2);
     vec3 W = intensity * max(dot(cross(side_u, side_v), d), 0.0) / (r2 * share * float(lamp_photons));
-    // From the lamp itself, so that it meets what shadow rays meet.
-    return Photon(lamp, d, sqrt(r2) * (1.0 - 1e-5), W, true);
+    // From the lamp itself, so that it meets what shadow rays meet; where that is far away from nearer by, for the digits of its hits.
+    float off = sqrt(r2), back = min(off, beyond);
+    return Photon(lamp + (off - back) * d, d, back * (1.0 - 1e-5), W, true);
 }
 
 Photon of_sky(vec2 u) {
@@ -161,8 +162,9 @@ void main() {
     int arrivals = 0, events = 0;
     bool more = most(photon.W) > 0.0;
     do {
-        Visit visit = Visit(beyond, NO_TRIANGLE, vec2(0.0));
-        traverse(make_ray(photon.o, photon.d, photon.from, beyond), visit);
+        float far = photon.from + beyond;
+        Visit visit = Visit(far, NO_TRIANGLE, vec2(0.0));
+        traverse(make_ray(photon.o, photon.d, photon.from, far), visit);
         more = more && visit.triangle != NO_TRIANGLE;
         if (more) {
             int triangle = int(visit.triangle);
