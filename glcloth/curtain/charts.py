@@ -145,7 +145,7 @@ def make_charts(positions: np.ndarray, cell: float | None = None, material: np.n
         if len(shapes) > most:
             raise InputError(
                 f"room: {len(positions)} triangles in {len(shapes)} parts, too many for --gi radiosity (at most "
-                f"{most}); simplify it, or take --gi off"
+                f"{most}); simplify it, or take --gi photons or off"
             )
         side *= 1.25
 

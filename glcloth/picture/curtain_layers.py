@@ -17,6 +17,7 @@ from ..geometry.camera import Camera, lens_samples, sample_offsets
 from ..twins.octahedron import from_octahedral
 from .layers import CHANNELS, CRYPTOMATTE, FAR, Layers
 
+PATH_SAMPLES = 16  # of method path, whose own may be a million
 OF_CURTAIN = ("depth", "normal", "position", "uv", "mask", "cryptomatte")
 
 
@@ -27,15 +28,15 @@ def check_names(names: Sequence[str]) -> None:
 
 
 def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray) -> Layers:
-    """The layers of a picture of the curtain as it hangs, with the samples of its scene."""
+    """The layers of a picture of the curtain as it hangs, with the samples of its scene; by method path with PATH_SAMPLES."""
     scene, camera = show.scene, camera_of(show.scene)
     width, height = scene.size
     soup = _Soup(show)
     queries = RayQueries(show.ctx)
     sums = {name: np.zeros((height * width, len(CHANNELS[name]))) for name in names if name in CHANNELS}
     coverage = {layer: np.zeros((height * width, len(soup.names))) for layer in CRYPTOMATTE}
-    cameras = lens_samples(camera, scene.spp)
-    for number, (offset, one) in enumerate(zip(sample_offsets(scene.spp), cameras, strict=True)):
+    spp = PATH_SAMPLES if scene.method == "path" else scene.spp
+    for number, (offset, one) in enumerate(zip(sample_offsets(spp), lens_samples(camera, spp), strict=True)):
         origins, ways = _rays(one, scene.size, offset)
         hits = queries.closest_hit(show.tracer.structure(scene.accelerator), origins, ways)
         met = hits.triangle >= 0
@@ -44,9 +45,9 @@ def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray)
             sums["depth"][:] = FAR
             sums["depth"][met, 0] = (x - one.eye) @ one.axes[2]
         for name in sums.keys() - {"depth"}:
-            sums[name][met] += soup.values(name, hits.triangle[met], hits.weights[met], x, ways[met]) / scene.spp
+            sums[name][met] += soup.values(name, hits.triangle[met], hits.weights[met], x, ways[met]) / spp
         for cover in coverage.values():
-            cover[np.flatnonzero(met), soup.thing[hits.triangle[met]]] += 1.0 / scene.spp
+            cover[np.flatnonzero(met), soup.thing[hits.triangle[met]]] += 1.0 / spp
     out = Layers()
     out["beauty"] = picture
     for name in names:
