@@ -12,7 +12,7 @@ from glcloth.accel.triangles import Triangles, pack_units
 from glcloth.curtain.charts import OPEN
 from glcloth.curtain.photons import PhotonMap, Photons
 from glcloth.curtain.room import Room, box, inside_out
-from glcloth.curtain.show import CurtainShow
+from glcloth.curtain.show import CurtainShow, camera_of
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.gpu.buffers import TextureBuffer
@@ -22,6 +22,7 @@ from glcloth.tracing.lamp import Lamp, Lighting
 from glcloth.tracing.shot import Shot
 from glcloth.tracing.tracer import Tracer
 from glcloth.twins.photons import cut_share, disc_distance, disc_kernel
+from glcloth.window.curtain import Player
 
 BLACK = (0.0, 0.0, 0.0)
 SMALL = Scene(
@@ -290,3 +291,22 @@ def test_pictures_of_the_room(ctx, show):
     assert 0 < error[1] < 0.8 * error[0]
     show.change(SMALL.changed(gi="radiosity"))
     assert picture.mean() == pytest.approx(show.picture().mean(), rel=0.1)
+
+
+def test_the_window_reads_their_tree_between_samples(ctx):
+    """Else it would find them anew among half of those that are being found."""
+    pictures = []
+    for reads in (False, True):
+        player = Player(ctx)
+        player.show(SMALL.changed(spp=2), Environment("even", np.ones((4, 8, 3), np.float32)))
+        read = 0
+        while not player.idle:
+            player.work(1e-6)
+            if reads and (built := player.built) is not None:
+                assert built[1:] == (0, "photons")
+                player.curtain.tree_content(camera_of(SMALL))
+                read += 1
+        assert (read > 0) == reads
+        pictures.append(np.frombuffer(player.sides[0].texture.read(), np.float32))
+        player.release()
+    np.testing.assert_array_equal(*pictures)
