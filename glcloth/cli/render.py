@@ -56,6 +56,10 @@ def render(
     _check_views(chosen, show_tree, layers)
     if aov is not None and output.suffix.lower() != ".exr":
         raise InputError(f"{output}: --aov writes layers, expected a name that ends in .exr")
+    if aov is not None and (layers or show_tree is not None):
+        raise InputError(
+            f"--aov, {'--layers' if layers else '--show-tree'}: expected one of them; the latter is a picture alone"
+        )
 
     from ..image import check_output, write_image
     from ..picture.renderer import Renderer

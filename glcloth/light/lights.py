@@ -106,10 +106,15 @@ class Suns:
         if not (abs(irradiance) <= BRIGHTEST).all():
             raise InputError(f"suns: expected irradiances of at most {BRIGHTEST:.0e}; give less light")
         radius = np.asarray(self.radius, float)
-        if radius.shape not in ((), (len(direction),)) or not ((radius >= 0.0) & (radius <= WIDEST_SUN)).all():
+        if radius.shape not in ((), (len(direction),)):
             raise InputError(
-                f"suns: radius of shape {radius.shape}, expected one or {len(direction)} angles from 0 to "
-                f"{np.degrees(WIDEST_SUN):.0f} degrees (in radians here); give a wider light as a Gaussian"
+                f"suns: radius of shape {radius.shape}, expected one or {len(direction)} angles in radians"
+            )
+        if not ((radius >= 0.0) & (radius <= WIDEST_SUN)).all():
+            wrong = radius[~((radius >= 0.0) & (radius <= WIDEST_SUN))].flat[0]
+            raise InputError(
+                f"suns: radius of {np.degrees(wrong):.4g} degrees, expected 0 to {np.degrees(WIDEST_SUN):.0f}; give a wider "
+                "light as a Gaussian"
             )
         object.__setattr__(self, "radius", _frozen(np.broadcast_to(radius, len(direction))))
         object.__setattr__(self, "direction", _frozen(_units("direction", direction)))

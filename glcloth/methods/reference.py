@@ -26,7 +26,7 @@ from .settings import Settings
 # Directions per pass: far below llvmpipe's 65,535 loop iterations per invocation even with 32 tangents, and short
 # enough (about a second a pass at 640x480 without a GPU) for progress and Ctrl-C.
 CHUNK = 256
-TRACED_CHUNK = 64  # the steps and triangles of 64 rays count too
+TRACED_CHUNK = 16  # their rays have loops too, through eight sheets of cloth at most: together below 65,535 rounds
 LIT_CHUNK = 2  # directions that light the vertices at a time: a caller in between waits for no more
 SUN_POINTS = 64  # directions of a sun's disc, where it casts shadows
 BOUNCE_CUBE = 16  # edge of the cube map that lights the vertices for a bounce: irradiance is smooth

@@ -56,6 +56,7 @@ class Dressing:
     def __init__(self) -> None:
         self._grouped: Last[list[tuple[int, Mesh]]] = Last()
         self._split: dict[int, Last[list[tuple[int, Mesh, Masked]]]] = {}  # of each of those that has a mask
+        self._checked: Last[None] = Last()  # masks and colours; large masks take a while
 
     def dress(
         self,
@@ -79,7 +80,8 @@ class Dressing:
         Raises InputError for a pattern that fits no part, a colour that no mask has, and a map on a mesh without UVs.
         """
         colors = mask_colors(fabrics)
-        check_colors(masks or {}, colors)
+        masks = masks or {}
+        self._checked.get(lambda: check_colors(masks, colors), *masks.values(), tuple(colors))
         of_colors = [fabrics[color] for color in colors]
         fabrics = {part: one for part, one in fabrics.items() if part not in colors}
         wardrobe = [fabric, *fabrics.values()]
@@ -88,7 +90,7 @@ class Dressing:
         worn = [[first[n + 1] for n in of] for of in chosen(meshes, list(fabrics))]
         printed, prints_of = _named(meshes, prints or {}, "prints")
         opened, opacities_of = _named(meshes, opacities or {}, "opacities")
-        masked, masks_of = _named(meshes, masks or {}, "fabric_masks")
+        masked, masks_of = _named(meshes, masks, "fabric_masks")
         looks = [list(zip(*of, strict=True)) for of in zip(worn, printed, opened, masked, strict=True)]
         kinds = list(dict.fromkeys(kind for of in looks for kind in of))
         groups = tuple(tuple(map(kinds.index, of)) for of in looks)

@@ -34,7 +34,7 @@ def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray)
     soup = _Soup(show)
     queries = RayQueries(show.ctx)
     sums = {name: np.zeros((height * width, len(CHANNELS[name]))) for name in names if name in CHANNELS}
-    coverage = {layer: np.zeros((height * width, len(soup.names))) for layer in CRYPTOMATTE}
+    cover = np.zeros((height * width, len(soup.names))) if "cryptomatte" in names else None
     spp = PATH_SAMPLES if scene.method == "path" else scene.spp
     for number, (offset, one) in enumerate(zip(sample_offsets(spp), lens_samples(camera, spp), strict=True)):
         origins, ways = _rays(one, scene.size, offset)
@@ -46,7 +46,7 @@ def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray)
             sums["depth"][met, 0] = (x - one.eye) @ one.axes[2]
         for name in sums.keys() - {"depth"}:
             sums[name][met] += soup.values(name, hits.triangle[met], hits.weights[met], x, ways[met]) / spp
-        for cover in coverage.values():
+        if cover is not None:
             cover[np.flatnonzero(met), soup.thing[hits.triangle[met]]] += 1.0 / spp
     out = Layers()
     out["beauty"] = picture
@@ -55,8 +55,9 @@ def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray)
             array = sums[name].astype(np.float32).reshape(height, width, -1)
             out[name] = array[..., 0] if array.shape[-1] == 1 else array
             continue
-        for layer, cover in coverage.items():
-            used = np.flatnonzero(cover.any(0))
+        assert cover is not None
+        used = np.flatnonzero(cover.any(0))
+        for layer in CRYPTOMATTE:
             out.names[layer] = [soup.names[n] for n in used]
             out[layer] = ranked(cover[:, used].reshape(height, width, -1), out.names[layer])
     return out

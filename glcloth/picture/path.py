@@ -24,7 +24,7 @@ from .frame import Frame
 from .openings import Opacity
 from .pace import Pace
 from .prints import Print
-from .threads import guessed_scale
+from .uv_scale import guessed_scale
 
 
 def check_path(frame: Frame) -> None:

@@ -246,15 +246,15 @@ class PixelView:
     def _see_suns(self, path: str, first: moderngl.TextureArray, **names: Any) -> None:
         """Run a pass of inputs/visibility/sun_points.glsl: a ray from each pixel, then more where these do not agree."""
         visibility, buffer = self.visibility, self.buffer
-        suns, (number, samples) = visibility.lights.suns, self._sample
+        suns, (sample, samples) = visibility.lights.suns, self._sample
         self._sun_data.write(np.column_stack([suns.direction, np.tan(suns.radius)]).astype("f4"))
         defines, virtual, rays = visibility.sun_occluders.sight(visibility.sheets)
         inputs = rays | buffer.inputs() | self.drawn_inputs()
-        numbers = {"sun_count": len(suns), "first_turn": number / samples}
-        program = programs(self.ctx).compute(path, {**defines, "FIRST": 1}, virtual)
-        program.run(buffer.size, inputs, numbers, sun_data=self._sun_data, first_image=first)
-        program = programs(self.ctx).compute(path, defines, virtual)
-        program.run(buffer.size, inputs, numbers, names, sun_data=self._sun_data, first_seen=first)
+        inputs |= {"sun_data": self._sun_data, "first_turn": sample / samples}
+        begin, rest = (programs(self.ctx).compute(path, own, virtual) for own in ({**defines, "FIRST": 1}, defines))
+        begin.run(buffer.size, inputs, first_image=first, sun_count=len(suns))
+        for number in range(len(suns)):
+            rest.run(buffer.size, inputs, names, first_seen=first, sun_number=number)
 
     def _vertex_inputs(self) -> dict[str, Any]:
         """The inputs of passes that bring values of the vertices to the pixels."""

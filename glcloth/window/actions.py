@@ -206,9 +206,12 @@ class Actions:
         found = None if session.in_curtain else self._drawing.refiner.renderer.pick(x, y)
         if found is None or not (self.parts or session.scene.fabrics):
             return
-        patterns = [name for name in session.scene.fabrics if name not in mask_colors(session.scene.fabrics)]
+        colors = mask_colors(session.scene.fabrics)
+        patterns = [name for name in session.scene.fabrics if name not in colors]
+        if found.mask > len(colors):  # the picture is of an earlier scene
+            return
         if found.mask:
-            part = mask_colors(session.scene.fabrics)[found.mask - 1]
+            part = colors[found.mask - 1]
         else:
             names = self._names(found.names)
             fits = [(how, name) for name in patterns if (how := fit(name, names))]

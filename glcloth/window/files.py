@@ -77,7 +77,7 @@ class Files:
                 self.actions.go_to(frame_of(scene))
         elif kind == "mesh":
             session.choose_mode("cloth")
-            session.edit_scene(mesh=path, fabrics={}, prints={}, opacities={})
+            session.edit_scene(mesh=path, fabrics={}, prints={}, opacities={}, fabric_mask=None, fabric_masks={})
         else:
             session.edit_shown(env=path)
 

@@ -120,3 +120,17 @@ def test_cuts_are_as_many_as_the_coarsest_cloth_wants():
     assert [stage.cuts([mesh], 1000, 0) for mesh in (fine, even, coarse)] == [0, 1, 2]
     assert stage.cuts([fine, coarse], 1000, 0) == 2
     assert stage.cuts([coarse], 50_000, 1000) == 1 and stage.cuts([coarse], 200_000, 0) == 0
+
+
+def test_six_wide_suns_through_sheer_folds_are_the_sum_of_each(renderer):
+    """A pixel sends each of them 16 rays through up to eight sheets: together more than llvmpipe's loops have rounds."""
+    rng = np.random.default_rng(1)
+    toward = np.abs(rng.normal(size=(6, 3))) + np.array([0.0, 0.5, 0.0])
+    look = {"mesh": "drape", "fabric": "sheer_voile", "size": (32, 24), "shadows": "sun", "background": False}
+
+    def lit(number):
+        suns = Suns(toward[number], np.full((len(toward[number]), 3), 1.5), np.radians(5.0))
+        return renderer.render(lights=Lights(NO_LIGHT, suns), **look)[..., :3].astype(float)
+
+    whole, each = lit(slice(None)), sum(lit([number]) for number in range(6))
+    np.testing.assert_allclose(whole, each, atol=1e-5 * whole.max())

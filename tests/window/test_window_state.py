@@ -415,3 +415,19 @@ def test_another_print_is_another_picture():
     assert refine._same_light(frame, frame)
     for change in ({"print": object()}, {"opacity": object()}):
         assert not refine._same_light(replace(frame, cloths=(replace(cloth, **change),)), frame)
+
+
+def test_another_mesh_has_no_map_of_a_part_of_the_last_one(tmp_path):
+    """A fabric mask would ask for the colours that go with the fabrics of parts."""
+    masked = {
+        "fabrics": {"#f00": "velvet"},
+        "fabric_mask": "m.png",
+        "fabric_masks": {"a": "n.png"},
+        "prints": {"a": "p.png"},
+    }
+    session = Session(Scene(fabric="linen", **masked))
+    opener = files.Files(SimpleNamespace(session=session), SimpleNamespace(every=lambda *_: True), watch=False)
+    mesh = tmp_path / "two.obj"
+    mesh.write_text("")
+    opener._open(str(mesh))
+    assert session.scene == Scene(fabric="linen", mesh=str(mesh))

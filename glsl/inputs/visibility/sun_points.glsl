@@ -2,7 +2,11 @@
 // other points, do not agree: there is a penumbra.   [own, docs/shadows.md]
 #include "trace/sun_disc.glsl"
 uniform samplerBuffer sun_data;  // toward each sun's middle; tangent of its radius
+#ifdef FIRST
 uniform int sun_count;           // at least 1
+#else
+uniform int sun_number;          // one a dispatch: loops may end silently after 65,535 iterations
+#endif
 uniform float first_turn;        // of this sample of the pixel
 
 const ivec2 SUN_POINTS = ivec2(8, 16);  // of a narrow disc, and of one

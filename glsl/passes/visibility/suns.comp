@@ -13,7 +13,7 @@ uniform int first_layer;
 layout(rgba8) writeonly uniform image2DArray first_image;
 #else
 uniform sampler2DArray first_seen;  // what FIRST found; 0 where there is nothing
-layout(rgba8) writeonly uniform image2DArray seen;
+layout(rgba8) uniform image2DArray seen;  // four suns a texel, written one after the other
 #endif
 
 float seen_of(vec3 x, vec3 omega) {
@@ -29,18 +29,18 @@ float seen_of(vec3 x, vec3 omega) {
 }
 
 #ifndef FIRST
-// Of each of four suns, whether the pixels about this one found what it found.
-bvec4 agreed(ivec2 pixel, int layer, vec4 own) {
-    vec4 low = own, high = own;
+// Whether the pixels about this one found what it found.
+bool agreed(ivec2 pixel, float own) {
+    float low = own, high = own;
     ivec2 last = textureSize(frame_N, 0) - 1;
     for (int n = 0; n < 9; ++n) {
         ivec2 at = clamp(pixel + ivec2(n % 3, n / 3) - 1, ivec2(0), last);
         if (texelFetch(frame_N, at, 0).w == 0.0) continue;
-        vec4 other = texelFetch(first_seen, ivec3(at, layer), 0);
+        float other = texelFetch(first_seen, ivec3(at, sun_number >> 2), 0)[sun_number & 3];
         low = min(low, other);
         high = max(high, other);
     }
-    return lessThan(high - low, vec4(AGREE));
+    return high - low < AGREE;
 }
 #endif
 
@@ -51,39 +51,30 @@ void main() {
     if (N.w == 0.0) return;
     vec3 x = origin_at(pixel);
     if (own_levels > 0) x = origin_finer(pixel, texelFetch(frame_x, pixel, 0).w);
+    // Below the horizon there is no light to hide.
+#ifdef FIRST
     vec4 four = vec4(0.0);
-#ifndef FIRST
-    bvec4 sure = bvec4(true);
-#endif
     int s = 0;
     do {
         vec4 sun = texelFetch(sun_data, s);
         float V = 0.0;
-        // Below the horizon there is no light to hide.
-        bool lit = dot(sun.xyz, N.xyz) > 0.0;
-#ifdef FIRST
-        if (lit) V = seen_of(x, first_point(pixel, sun));
+        if (dot(sun.xyz, N.xyz) > 0.0) V = seen_of(x, first_point(pixel, sun));
         if ((s & 3) == 0) four = vec4(0.0);
-#else
-        if ((s & 3) == 0) {
-            four = texelFetch(first_seen, ivec3(pixel, s >> 2), 0);
-            sure = agreed(pixel, s >> 2, four);
-        }
-        if (lit && sun.w > 0.0 && !sure[s & 3]) {
-            int n = 0;
-            do V += seen_of(x, point_of(pixel, sun, n)); while (++n < points_of(sun));
-            V /= float(points_of(sun));
-            four *= vec4(notEqual(ivec4(s & 3), ivec4(0, 1, 2, 3)));
-        }
-#endif
         four += V * vec4(equal(ivec4(s & 3), ivec4(0, 1, 2, 3)));
         // Store whole texels, and the last one as it is.
-        if ((s & 3) == 3 || s + 1 == sun_count) {
-#ifdef FIRST
-            imageStore(first_image, ivec3(pixel, s >> 2), four);
-#else
-            imageStore(seen, ivec3(pixel, first_layer + (s >> 2)), four);
-#endif
-        }
+        if ((s & 3) == 3 || s + 1 == sun_count) imageStore(first_image, ivec3(pixel, s >> 2), four);
     } while (++s < sun_count);
+#else
+    vec4 sun = texelFetch(sun_data, sun_number);
+    float V = texelFetch(first_seen, ivec3(pixel, sun_number >> 2), 0)[sun_number & 3];
+    if (dot(sun.xyz, N.xyz) > 0.0 && sun.w > 0.0 && !agreed(pixel, V)) {
+        V = 0.0;
+        int n = 0;
+        do V += seen_of(x, point_of(pixel, sun, n)); while (++n < points_of(sun));
+        V /= float(points_of(sun));
+    }
+    ivec3 at = ivec3(pixel, first_layer + (sun_number >> 2));
+    vec4 four = (sun_number & 3) == 0 ? vec4(0.0) : imageLoad(seen, at);
+    imageStore(seen, at, four + V * vec4(equal(ivec4(sun_number & 3), ivec4(0, 1, 2, 3))));
+#endif
 }

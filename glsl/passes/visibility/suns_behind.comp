@@ -14,13 +14,13 @@ uniform sampler2DArray first_seen;  // what FIRST found; a layer for each sun
 layout(rgba8) writeonly uniform image2DArray seen_behind;
 
 // Whether the pixels about this one found what it found.
-bool agreed(ivec2 pixel, int s, vec4 own) {
+bool agreed(ivec2 pixel, vec4 own) {
     vec4 low = own, high = own;
     ivec2 last = textureSize(frame_N, 0) - 1;
     for (int n = 0; n < 9; ++n) {
         ivec2 at = clamp(pixel + ivec2(n % 3, n / 3) - 1, ivec2(0), last);
         if (texelFetch(frame_N, at, 0).w == 0.0) continue;
-        vec4 other = texelFetch(first_seen, ivec3(at, s), 0);
+        vec4 other = texelFetch(first_seen, ivec3(at, sun_number), 0);
         low = min(low, other);
         high = max(high, other);
     }
@@ -35,24 +35,24 @@ void main() {
     if (N.w == 0.0) return;
     vec3 x = origin_behind(pixel);
     if (own_levels > 0) x = origin_finer(pixel, -texelFetch(frame_x, pixel, 0).w);
+    Visit first;
+#ifdef FIRST
     int s = 0;
     do {
         vec4 sun = texelFetch(sun_data, s);
-        bool lit = dot(sun.xyz, N.xyz) < 0.0;
-        Visit first;
-#ifdef FIRST
         vec3 T = vec3(0.0);
-        if (lit) T = left_along(x, first_point(pixel, sun), first);
+        if (dot(sun.xyz, N.xyz) < 0.0) T = left_along(x, first_point(pixel, sun), first);
         imageStore(first_image, ivec3(pixel, s), vec4(T, 0.0));
-#else
-        vec4 own = texelFetch(first_seen, ivec3(pixel, s), 0);
-        if (lit && sun.w > 0.0 && !agreed(pixel, s, own)) {
-            own = vec4(0.0);
-            int n = 0;
-            do own.rgb += left_along(x, point_of(pixel, sun, n), first); while (++n < points_of(sun));
-            own.rgb /= float(points_of(sun));
-        }
-        imageStore(seen_behind, ivec3(pixel, s), own);
-#endif
     } while (++s < sun_count);
+#else
+    vec4 sun = texelFetch(sun_data, sun_number);
+    vec4 own = texelFetch(first_seen, ivec3(pixel, sun_number), 0);
+    if (dot(sun.xyz, N.xyz) < 0.0 && sun.w > 0.0 && !agreed(pixel, own)) {
+        own = vec4(0.0);
+        int n = 0;
+        do own.rgb += left_along(x, point_of(pixel, sun, n), first); while (++n < points_of(sun));
+        own.rgb /= float(points_of(sun));
+    }
+    imageStore(seen_behind, ivec3(pixel, sun_number), own);
+#endif
 }
