@@ -198,7 +198,7 @@ class CurtainParameters(Value):
     stretch: float = about(
         "N/m", "how stiff the threads are along themselves", default=3000.0, gt=0, slider=(200.0, 20000.0), log=True)
     shear: float = about("N/m", "how stiff the weave is on the bias", default=15.0, slider=(0.0, 200.0))
-    bending: float = about("N m", "how stiff the cloth is to bend", default=3e-5, slider=(1e-6, 1e-3), log=True)
+    bending: float = about("N m", "how stiff the cloth is to bend", default=3e-5, slider=(1e-6, 9e-4), log=True)
     hem: float = about("", "how much heavier the lowest row is", default=2.0, gt=0, slider=(1.0, 20.0))
     wind: float = option(
         "m/s", "wind into the room, perpendicular to the window; animate: along the built-in cloth", default=0.5, ge=-20,

@@ -28,11 +28,12 @@ def denoised(sums: PathSums) -> np.ndarray:
     # Where the environment is seen its light takes the place of an albedo of 1.
     albedo = np.clip(sums.albedo / n + (1.0 - cover), 0.0, 1.0).astype(np.float32)
     normal = np.clip(sums.normal / n, -1.0, 1.0).astype(np.float32)
+    partly = bool(((cover > 0.0) & (cover < 1.0)).any())
     try:
         import pyoidn
 
         light = pyoidn.denoise(np.maximum(picture[..., :3], 0.0), albedo, normal, hdr=True)
-        alpha = pyoidn.denoise(np.repeat(cover, 3, -1), albedo, normal)[..., :1] if 0 < cover.min() < 1 else cover
+        alpha = pyoidn.denoise(np.repeat(cover, 3, -1), albedo, normal)[..., :1] if partly else cover
     except (ImportError, OSError, RuntimeError) as error:
         raise InputError(f"--denoise: Open Image Denoise fails on this machine ({error}); leave it out") from None
     return np.concatenate([light, alpha], -1)
