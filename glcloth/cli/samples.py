@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..progress import say, track
 from .common import Device, Json, tell
 
-FABRIC, DRAFT, MESH, MAP, PRINT = "mine.toml", "denim.wif", "dress.glb", "studio.exr", "roses.png"
+FABRIC, DRAFT, MESH, MAP, PRINT, MASK = "mine.toml", "denim.wif", "dress.glb", "studio.exr", "roses.png", "dots.png"
 POSES = "poses/%04d.ply"
 
 
@@ -25,7 +25,7 @@ def samples(
     device: Device = None,
     json: Json = False,
 ) -> None:
-    """Write files to begin with: a fabric, a weaver's draft, a mesh with UVs, a light map, a print and poses of moving cloth.
+    """Write files to begin with: a fabric, a weaver's draft, a mesh with UVs, a light map, a print, a mask of fabrics and poses of moving cloth.
 
     They are what the documents' commands name, and show the form of your own. Files that exist are kept.
 
@@ -40,7 +40,7 @@ def samples(
         raise InputError(f"--wind {wind}: expected -20 to 20 m/s")
     make_folder(folder)
     written, kept = [], []
-    makers = {FABRIC: _fabric, DRAFT: _draft, MESH: _mesh, MAP: _map, PRINT: _print}
+    makers = {FABRIC: _fabric, DRAFT: _draft, MESH: _mesh, MAP: _map, PRINT: _print, MASK: _mask}
     for name, make in makers.items():
         _keep_or_make(folder / name, make, written, kept)
     if poses:
@@ -140,6 +140,21 @@ def _print(path: Path) -> None:
             tile[np.hypot(dx, dy) < rim] = color
     with atomic_write(path) as temporary:
         Image.fromarray(tile).save(temporary)
+
+
+def _mask(path: Path) -> None:
+    """Red dots on white, every second row half a step on."""
+    import numpy as np
+    from PIL import Image
+
+    from ..files import atomic_write
+
+    y, x = 8 * (np.mgrid[0:512, 0:512] + 0.5) / 512
+    x = x + 0.5 * (np.floor(y) % 2)
+    dots = np.full((512, 512, 3), 255, np.uint8)
+    dots[np.hypot(x % 1 - 0.5, y % 1 - 0.5) < 0.3] = 200, 40, 60  # #c8283c
+    with atomic_write(path) as temporary:
+        Image.fromarray(dots).save(temporary)
 
 
 def _poses(

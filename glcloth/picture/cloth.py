@@ -33,6 +33,7 @@ from .surface import Surface
 from .threads import Threads
 
 WOVEN_HOLES = {"inputs/picture/straight.glsl": "inputs/picture/straight_woven.glsl"}
+SHARE_STEP = 0.01  # relative, of the reflectance that bounced light is gathered with: half of it is the most it is off
 
 
 class ClothSurface(Surface):
@@ -141,7 +142,9 @@ class ClothSurface(Surface):
 
     @property
     def reflectance(self) -> np.ndarray:
-        return self.visibility.furnace.albedo(self.scene_buffers) * self.visibility.limit
+        """In steps, so that bounced light is gathered anew only for edits that it shows; what a pixel makes of it has none."""
+        albedo = self.visibility.furnace.albedo(self.scene_buffers) * self.visibility.limit
+        return np.exp(SHARE_STEP * np.round(np.log(np.maximum(albedo, 1e-6)) / SHARE_STEP))
 
     def albedo_at(self, triangles: np.ndarray, uv: np.ndarray) -> np.ndarray:
         if self._print is None:

@@ -13,7 +13,7 @@ from ..twins.directions import cosine_directions, even_directions
 
 ALBEDO_VIEWS, ALBEDO_LIGHTS = 64, 256  # directions
 VIEWS = 24, 12  # azimuths and cosines of a viewer
-LIGHTS = 1536  # directions, for each of these
+LIGHTS = 512  # directions, for each of these; each goes through all tangents, and a loop may end after 65,535 rounds
 
 
 class Furnace:

@@ -253,7 +253,9 @@ def test_cloths_light_each_other_as_parts_of_one_mesh_do(ctx):
     assert (two[count[0] :, 2, 0] > 0.1 * one.max()).any()  # the upper one's back gets light from below
     # Now the upper one is gray too: the front of the lower one gets another colour.
     changed = bounced_by(ctx, [low, high], [gray, gray])
-    assert np.array_equal(changed[count[0] :, 2], two[count[0] :, 2])
+    # By the second bounce, more of what the lower one sends back comes from the upper one.
+    upper = changed[count[0] :, 2, :3] - two[count[0] :, 2, :3]
+    assert (upper[:, 0] <= 1e-6).all() and (upper[:, 1:] >= -1e-6).all() and np.abs(upper).max() < 0.1 * two.max()
     assert changed[: count[0], 0, 2].max() > 2 * two[: count[0], 0, 2].max()
 
 

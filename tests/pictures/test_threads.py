@@ -1,5 +1,6 @@
 """Threads near by: their mean is the far cloth, and the far cloth is what it was."""
 
+import moderngl
 import numpy as np
 import pytest
 
@@ -174,7 +175,7 @@ def test_holes_show_what_is_behind(renderer):
     fabric = even("lace")
     look = {**LOOK, "mesh": patch(fabric, 0.05), "camera": camera(10, 60, 0.05), "size": (240, 240)}
     near, far = (renderer.render(fabric=f, **look) for f in (fabric, fabric.changed(weave=None)))
-    np.testing.assert_allclose(near.mean((0, 1)), far.mean((0, 1)), rtol=5e-3)
+    np.testing.assert_allclose(near.mean((0, 1)), far.mean((0, 1)), rtol=1e-2)  # what relief may be off
     near, far = (picture[90:150, 90:150, 3] for picture in (near, far))
     assert 0.1 < (near < 0.05).mean() < 0.5 and far.min() > 0.2
 
@@ -252,14 +253,18 @@ def test_from_the_side_the_slope_that_faces_the_viewer_is_seen(ctx, monkeypatch,
     layers = np.zeros((3, size, size, 4), "f4")
     layers[0, :, :, 0], layers[2, :, :, 1] = rises_away, ramp
     texture = picture_array(ctx, layers if axis == 0 else layers.swapaxes(1, 2))
+    heights = np.broadcast_to(ramp if axis == 0 else ramp[:, None], (size, size)).astype("f4")
+    ridge = ctx.texture((size, size), 1, np.ascontiguousarray(heights), dtype="f4")
+    ridge.build_mipmaps()
+    ridge.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
     inputs = {
-        "weave_map": texture, "weave_repeats": (1.0, 1.0), "relief_end": 99.0,
+        "weave_map": texture, "height_map": ridge, "weave_repeats": (1.0, 1.0), "relief_end": 99.0,
         "relief_heights": np.array([height, 1.0, 0.0], "f4"),
     }  # fmt: skip
     table = relief_table(ctx, inputs, 1, 0, 0.0)
     means = np.frombuffer(table.read(), "f4").reshape(3, LEVELS, SIDE, SIDE, 4)[0, 0, ..., 0]
     row = means[SIDE // 2] if axis == 0 else means[:, SIDE // 2]
-    table.release(), texture.release()
+    table.release(), texture.release(), ridge.release()
     # Half way to the horizon's circle the tangent is 4/3: the ridge hides its far slope, and is seen 4/3 of its height behind.
     middle = SIDE // 2
     assert row[middle] == pytest.approx(0.25, abs=0.02)

@@ -15,6 +15,7 @@ from glcloth.fields import entries
 from glcloth.image import write_image
 from glcloth.scene import (
     CurtainParameters,
+    FabricMaskMap,
     OpacityMap,
     PrintMap,
     Scene,
@@ -43,7 +44,7 @@ def test_every_field_says_what_it_is(model):
 def test_options_are_fields():
     wanted = [entry.name for model in (Scene, View, CurtainParameters) for entry in entries(model) if entry.option]
     # Maps of the cloth are tables, whose file has the map's own option.
-    for field, of_map in (("print", PrintMap), ("opacity", OpacityMap)):
+    for field, of_map in (("print", PrintMap), ("opacity", OpacityMap), ("fabric_mask", FabricMaskMap)):
         wanted += [f"{field}_{name}" for name in of_map.model_fields if name != "file"]
     assert [field.name for field in dataclasses.fields(SceneOptions)] == wanted
     assert tuple(VIEW_TRANSFORMS) == entries(Scene, ("view_transform",))[0].choices
