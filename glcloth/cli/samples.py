@@ -25,7 +25,7 @@ def samples(
     device: Device = None,
     json: Json = False,
 ) -> None:
-    """Write files to begin with: a fabric, a weaver's draft, a mesh with UVs, a light map, a print, a mask of fabrics and poses of moving cloth.
+    """Write files to begin with: a fabric, a draft, a mesh with UVs, a light map, a print, a mask of fabrics, poses of cloth.
 
     They are what the documents' commands name, and show the form of your own. Files that exist are kept.
 

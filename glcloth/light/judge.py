@@ -1,8 +1,8 @@
 """How far shading by lights is from shading by their map, measured: fabrics in random frames, lit by both.
 
-The error that `fit.predicted_error` expects is a root mean square over frames by harmonics up to a degree, in which suns are points
-on both sides. A sun that stands for a lamp near the horizon of a frame is the wider fault, and shows in the upper
-percentiles.
+The error that `fit.predicted_error` expects is a root mean square over frames by harmonics up to a degree, in which
+suns are points on both sides. A sun that stands for a lamp near the horizon of a frame is the wider fault, and shows in
+the upper percentiles.
 """
 
 from __future__ import annotations
