@@ -31,11 +31,13 @@ def skipped(config) -> Counter:
     return Counter((reason, skip[1], skip[2]) for reason, skip in zip(reasons, known, strict=True))
 
 
+@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the marks
 def pytest_collection_modifyitems(items):
     """Several processes share the tests (`--dist loadgroup`) by files, whose tests share programs and windows.
 
-    A file named here is longer than its share: its tests go to different processes.
+    A file of LONG is longer than its share: its tests go to different processes. Windows take longest, so they begin.
     """
+    items.sort(key=lambda item: item.path.parent.name != "window")
     for item in items:
         name = f"{item.path.name}::{item.originalname}" if item.path.name in LONG else str(item.path)
         item.add_marker(pytest.mark.xdist_group(name))

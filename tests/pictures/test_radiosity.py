@@ -122,7 +122,7 @@ def test_too_many_parts_are_refused(monkeypatch):
     monkeypatch.setattr(charts, "MOST", 3600)
     assert 40 <= len(make_charts(loose).positions) < len(fine.positions)
     monkeypatch.setattr(charts, "MOST", 900)
-    with pytest.raises(InputError, match=r"at most 30.*--gi off"):
+    with pytest.raises(InputError, match=r"at most 30.*--gi photons or off"):
         make_charts(loose)
 
 
@@ -135,7 +135,7 @@ def test_patches_are_bounded_too(monkeypatch):
     monkeypatch.setattr(charts, "MOST_PATCHES", 12)
     assert 6 <= len(make_charts(room).patches) <= 12 < len(fine.patches)
     monkeypatch.setattr(charts, "MOST_PATCHES", 5)
-    with pytest.raises(InputError, match=r"6 parts.*at most 5.*--gi off"):
+    with pytest.raises(InputError, match=r"6 parts.*at most 5.*--gi photons or off"):
         make_charts(room)
 
 

@@ -13,6 +13,7 @@ import window_walk
 from window_driver import drop, settle
 
 from glcloth.fabric import load_fabric
+from glcloth.methods import relief
 from glcloth.scene import Scene
 from glcloth.weave.named import named_draft
 from glcloth.weave.wif import load_draft
@@ -54,6 +55,7 @@ def walk(folder):
     )
     glfw.set_window_pos(app.host.window, 0, 0)
     hand, out = Weaver(app, folder), {}
+    relief.SAMPLES = 256  # coarse slopes are enough here
     # Programs for other numbers of tangents are not needed here, and take long to compile.
     app.drawing.refiner._cold, near_view.WARM_UP, near_view.SIZE = False, (), (96, 48)
     drawdown = lambda: app.session.fabric.weave.drafted.drawdown.astype(int).tolist()  # noqa: E731
