@@ -19,7 +19,7 @@ test: $(VENV)/.tests
 	$(RUN)ruff check .
 	$(RUN)ruff format --check .
 	$(RUN)mypy
-	LP_NUM_THREADS=1 $(RUN)pytest -m "not slow" -n logical --dist loadgroup
+	LP_NUM_THREADS=1 $(RUN)pytest -m "not slow" -n logical --dist loadfile
 
 tools:
 	@if ! { command -v Xvfb && command -v xdotool; } >/dev/null; then \

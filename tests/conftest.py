@@ -20,7 +20,7 @@ SKIPS = (
     ("one node is for narrow Gaussians", "nothing: that case does not exist", True),
 )
 
-LONG = ("test_direct.py", "test_surfaces.py", "test_shadows.py")
+LONG = ("test_window.py", "test_direct.py")
 
 
 def skipped(config) -> Counter:
@@ -31,16 +31,10 @@ def skipped(config) -> Counter:
     return Counter((reason, skip[1], skip[2]) for reason, skip in zip(reasons, known, strict=True))
 
 
-@pytest.hookimpl(tryfirst=True)  # before pytest-xdist reads the marks
 def pytest_collection_modifyitems(items):
-    """Several processes share the tests (`--dist loadgroup`) by files, whose tests share programs and windows.
-
-    A file of LONG is longer than its share: its tests go to different processes. Windows take longest, so they begin.
-    """
-    items.sort(key=lambda item: item.path.parent.name != "window")
-    for item in items:
-        name = f"{item.path.name}::{item.originalname}" if item.path.name in LONG else str(item.path)
-        item.add_marker(pytest.mark.xdist_group(name))
+    """Several processes share the tests by files (`--dist loadfile`), whose tests share programs and windows. The longest
+    begin, so that no process ends long after the others."""
+    items.sort(key=lambda item: (item.path.name not in LONG, item.path.parent.name != "window"))
 
 
 def pytest_sessionfinish(session):

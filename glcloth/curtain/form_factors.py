@@ -4,12 +4,9 @@ of the openings through which the sky shines in. They depend on the room's shape
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import moderngl
 import numpy as np
@@ -17,11 +14,10 @@ import numpy as np
 from ..accel.queries import RayQueries
 from ..accel.structure import Structure, tracing
 from ..accel.triangles import find_pairs
-from ..errors import InputError
-from ..files import atomic_write, cache_dir
 from ..geometry.camera import r2_points
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
+from ..kept import keep, kept_path, read_kept
 from ..twins.random import cosine_direction
 from .charts import Charts, make_charts
 
@@ -199,37 +195,16 @@ def factor_steps(
     charts = make_charts(positions, cell, material)
     low, high = positions.reshape(-1, 3).min(0).astype(float), positions.reshape(-1, 3).max(0).astype(float)
     openings = find_openings(charts, low, high, structure, ctx)
-    key = hashlib.sha256(repr((FORMAT, sheet, cell, PROXIES, AZIMUTHS_DEG)).encode())
-    for array in (positions, charts.patches, openings):
-        key.update(np.ascontiguousarray(array).tobytes())
-    path = cache_dir() / "factors" / f"{key.hexdigest()[:32]}.npz"
+    about = FORMAT, sheet, cell, PROXIES, AZIMUTHS_DEG
+    path = kept_path("factors", about, positions, charts.patches, openings)
     senders = len(charts.patches) + len(sheet.cells()) + len(openings)
-    factors = _read(path, (senders, len(charts.positions) + len(sheet.receivers()[0])))
+    factors = read_kept(path, (senders, len(charts.positions) + len(sheet.receivers()[0])), 1.001)
     if factors is None:
         for factors in _compute(ctx, charts, openings, structure, sheet, 1e-4 * float((high - low).max())):
             if isinstance(factors, float):
                 yield factors
-        _keep(path, factors)
+        keep(path, factors)
     yield FormFactors(charts, sheet, openings, factors)
-
-
-def _read(path: Path, shape: tuple[int, int]) -> np.ndarray | None:
-    """The factors of a file; None where there is none, or it is damaged: a zip archive has a sum over its bytes."""
-    try:
-        with np.load(path) as file:
-            factors = file["factors"]
-    except Exception:  # whatever a damaged file makes NumPy and zipfile raise
-        return None
-    good = factors.shape == shape and factors.dtype == np.float32 and np.isfinite(factors).all()
-    return factors if good and np.abs(factors).max(initial=0.0) <= 1.001 else None
-
-
-def _keep(path: Path, factors: np.ndarray) -> None:
-    """Write the factors to a file, where one can be written; else they are found anew the next time."""
-    with suppress(InputError, OSError):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with atomic_write(path) as temporary, open(temporary, "wb") as file:
-            np.savez(file, factors=factors)
 
 
 def _compute(

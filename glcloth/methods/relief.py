@@ -14,14 +14,19 @@ import numpy as np
 
 from ..gpu.buffers import Buffer
 from ..gpu.programs import programs
+from ..gpu.shader import flatten
+from ..kept import keep, kept_path, read_kept
 from ..weave.maps import Maps
 
+PASS = "passes/methods/relief_table.comp"
 SIDE = 21  # texels of the table, of directions as a disk
 # Of 17 the mean of heavy linen is 1.0 % off at 40 degrees, of 21 0.6 %.
 FINEST = 32.0  # texels a yarn, from where on the mip levels show the same,
 PER_LEVEL = 4  # how many tables from one mip level to the next: drivers round levels, so the means run in steps
 LEVELS = 4 * PER_LEVEL + 1  # in the last a texel is half a yarn, and yarns have no height
-SAMPLES = 4096  # of a repeat in the finest; half as many from one mip level to the next, where maps are smoother
+SAMPLES = 4096  # of a repeat in the finest mip level; half as many in the others, where maps are smoother
+FORMAT = 1  # of the files
+MOST_FILES = 200  # of a megabyte or two
 
 
 def relief_heights(maps: Maps, relief: float) -> np.ndarray:
@@ -37,25 +42,40 @@ def first_level(size: tuple[int, int], threads: tuple[int, int]) -> int:
 
 
 def relief_table(
-    ctx: moderngl.Context, inputs: dict[str, Any], groups: int, first: int, hole: float, flat: bool = False
+    ctx: moderngl.Context,
+    inputs: dict[str, Any],
+    content: tuple[np.ndarray, ...],
+    groups: int,
+    first: int,
+    hole: float,
+    flat: bool = False,
 ) -> moderngl.Texture3D:
     """Means of rel, of turn and of the holes over a repeat, from each direction: texture [(2 groups + 1) LEVELS, SIDE, SIDE].
 
-    inputs : what inputs/methods/relief.glsl reads. first : `first_level`. hole : mean share of holes.
-    flat : yarns have no height, so one level serves.
+    inputs : what inputs/methods/relief.glsl reads. content : what its textures hold. first : `first_level`.
+    hole : mean share of holes. flat : yarns have no height, so one level serves. The table is kept on disk.
     """
     levels = 1 if flat else LEVELS
     each = " ".join(f"F({g});" for g in range(groups))
     defines = {"GROUPS": groups, "EACH_GROUP(F)": each}
-    program = programs(ctx).compute("passes/methods/relief_table.comp", defines)
     layers = (2 * groups + 1) * levels
-    means = Buffer(ctx, 16 * SIDE * SIDE * layers)
     own = {"table_side": SIDE, "first_level": first, "levels": levels, "per_level": PER_LEVEL, "sample_count": SAMPLES}
-    program.run(SIDE * SIDE * levels, inputs, own, Means=means)
-    values = np.frombuffer(means.read(16 * SIDE * SIDE * layers), "f4").reshape(-1, levels, SIDE, SIDE, 4).copy()
-    values[:groups, -1], values[groups:-1, -1], values[-1, -1] = 1.0, 0.0, hole  # without heights they are known
+    numbers = {
+        name: value for name, value in inputs.items() if not isinstance(value, moderngl.Texture | moderngl.TextureArray)
+    }
+    text, _ = flatten(PASS, defines)
+    about = FORMAT, ctx.info["GL_RENDERER"], ctx.info["GL_VERSION"], sorted(own.items()), sorted(numbers.items()), hole
+    path, shape = kept_path("relief", about, text, *content), (2 * groups + 1, levels, SIDE, SIDE, 4)
+    values = read_kept(path, shape, np.inf)
+    if values is None:
+        means = Buffer(ctx, 16 * SIDE * SIDE * layers)
+        programs(ctx).compute(PASS, defines).run(SIDE * SIDE * levels, inputs, own, Means=means)
+        values = np.frombuffer(means.read(16 * SIDE * SIDE * layers), "f4").reshape(shape).copy()
+        means.release()
+        values[:groups, -1], values[groups:-1, -1], values[-1, -1] = 1.0, 0.0, hole  # without heights they are known
+        if not flat:
+            keep(path, values, MOST_FILES)
     table = ctx.texture3d((SIDE, SIDE, layers), 4, values.tobytes(), dtype="f4")
-    means.buffer.release()
     table.filter = moderngl.LINEAR, moderngl.LINEAR
     table.repeat_x = table.repeat_y = table.repeat_z = False
     return table

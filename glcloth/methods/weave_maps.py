@@ -82,7 +82,7 @@ class WeaveMaps:
             "color_map": self._textures[1],
             "colored": colored is not None,
             "weave_repeats": repeats,
-            **self._side_view(fabric, maps, groups, {**read, "weave_repeats": repeats}),
+            **self._side_view(fabric, maps, layers, groups, {**read, "weave_repeats": repeats}),
             "color_repeats": (1.0 / size[0], 1.0 / size[1]),
             "noise_map": self._noise,
             "yarns": (100.0 * fabric.weave.picks_per_cm, 100.0 * fabric.weave.ends_per_cm),
@@ -92,7 +92,9 @@ class WeaveMaps:
             "weave_A": np.array([y.albedo for y in fabric.yarn], "f4"),
         }
 
-    def _side_view(self, fabric: Fabric, maps: Maps, groups: int, read: dict[str, Any]) -> dict[str, Any]:
+    def _side_view(
+        self, fabric: Fabric, maps: Maps, layers: np.ndarray, groups: int, read: dict[str, Any]
+    ) -> dict[str, Any]:
         """What inputs/methods/relief.glsl reads beside the maps, and the table, where yarns hide each other."""
         weave = fabric.weave
         if weave is None or not weave.relief:
@@ -108,7 +110,9 @@ class WeaveMaps:
         first, hole = first_level(size, (ends, picks)), float(maps.hole.mean())
         read = {**read, "relief_heights": relief_heights(maps, relief), "relief_end": first + (LEVELS - 1) / PER_LEVEL}
         table = self._relief.get(
-            lambda: self._table(relief_table(self.ctx, read, groups, first, hole, relief == 0.0)),
+            lambda: self._table(
+                relief_table(self.ctx, read, (layers, maps.height), groups, first, hole, relief == 0.0)
+            ),
             *(
                 shape,
                 weave.occlusion,

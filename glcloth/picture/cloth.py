@@ -193,7 +193,7 @@ class ClothSurface(Surface):
         if number >= self.pass_count:
             return
         limit = self.visibility.limit
-        share = {"pass_weight": weight * limit, "pass_cover": weight / self.pass_count, "pixel_stride": 1}
+        share = {"pass_weight": weight * limit, "pass_cover": 0.0 if number else weight, "pixel_stride": 1}
         inputs = self.inputs(view), share, self.passes[number]
         if not self.threads.shown:
             buffer.shade(self.program(buffer), *inputs, add=add, rows=rows)

@@ -169,7 +169,7 @@ class Solids(Surface):
             program, light = method.solids_program(path, defines), {**method.inputs(), **self._lit_by.passes[number]}
         else:
             program, light = self._program_of_means(path, defines), self._means(view)
-        share = {"pass_weight": weight, "pass_cover": weight / self.pass_count, **self._catcher()}
+        share = {"pass_weight": weight, "pass_cover": 0.0 if number else weight, **self._catcher()}
         look = self._looks.inputs(buffer, self.buffers) if glossy else {}
         buffer.shade(program, light, {"reflectance_data": self._reflectance_data, **look}, share, add=add, rows=rows)
 

@@ -41,9 +41,7 @@ def test_methods_agree_with_the_reference(renderer, fabric):
 @pytest.mark.parametrize("fabric", builtin_fabrics())
 def test_every_fabric_is_finite_and_lit_everywhere(renderer, fabric, environment):
     for quality in ("draft", "normal", "high"):
-        scene = dict(
-            mesh="drape", environment=environment, size=(80, 60), background=False, shadows="off", threads=False
-        )
+        scene = dict(mesh="drape", environment=environment, size=(80, 60), background=False, shadows="off")
         picture = renderer.render(fabric=fabric, quality=quality, **scene)
         assert np.isfinite(picture).all() and picture.min() >= 0
         covered = picture[..., 3] > 0

@@ -464,7 +464,7 @@ def test_samples_of_a_pixel_share_the_rays_into_narrow_gaussians():
 
 def test_albedo_is_that_of_the_white_furnace(ctx):
     furnace, scene_buffers = Furnace(ctx), SceneBuffers(ctx)
-    for name in builtin_fabrics()[::3]:
+    for name in builtin_fabrics():
         fabric = load_fabric(name)
         if not fabric.tangents:
             continue

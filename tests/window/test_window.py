@@ -140,7 +140,7 @@ def test_the_curtain_plays_and_its_tree_follows(walked):
 
 
 def test_random_actions_leave_no_error_and_no_objects(display):
-    result = drive(display, "monkey", "15")
+    result = drive(display, "monkey", "40")
     begin, *_, end = result["objects"]
     assert all(end[kind] <= begin[kind] + 8 for kind in begin), result
 

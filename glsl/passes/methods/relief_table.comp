@@ -11,7 +11,7 @@ uniform int table_side;
 uniform int levels;
 uniform int first_level;  // the mip level of the first
 uniform int per_level;    // how many from one mip level to the next
-uniform int sample_count;  // of the finest mip level; of each other one half as many as of the one before
+uniform int sample_count;  // of the finest mip level; of all others half as many
 
 vec4 rel_sum[GROUPS], turn_sum[GROUPS];
 
@@ -23,7 +23,7 @@ void main() {
     vec2 p = 2.0 * vec2(at % table_side, at / table_side) / float(table_side - 1) - 1.0;
     vec3 omega = from_disk(p);
     // Two texels beyond the horizon nothing is read.
-    int count = length(p) > 1.0 + 4.0 / float(table_side - 1) ? 1 : sample_count >> (level / per_level);
+    int count = length(p) > 1.0 + 4.0 / float(table_side - 1) ? 1 : max(sample_count >> (level / per_level), sample_count / 2);
     float hole = 0.0;
     // Errors of neighbouring directions differ, so that they cancel where the table is interpolated.
     vec2 start = fract(float(i) * vec2(0.6180339887, 0.4142135624));

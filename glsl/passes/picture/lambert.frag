@@ -9,7 +9,7 @@
 #include "lit.glsl"
 #include "inputs/visibility/reflectance.glsl"
 uniform float pass_weight;    // share of this sample in the pixel
-uniform float pass_cover;     // this pass's part of the pixel's coverage
+uniform float pass_cover;     // what this pass adds to the pixel's coverage: the first all
 #ifdef CATCHER
 #include "inputs/picture/catcher.glsl"
 #endif

@@ -11,7 +11,7 @@ uniform samplerBuffer look_data;      // of each triangle (color, layer of its p
 uniform sampler2DArray base_pictures;  // linear
 uniform float look_taps;      // places at which a pixel reads one at most
 uniform float pass_weight;    // share of this sample in the pixel
-uniform float pass_cover;     // this pass's part of the pixel's coverage
+uniform float pass_cover;     // what this pass adds to the pixel's coverage: the first all
 #ifdef CATCHER
 #include "inputs/picture/catcher.glsl"
 #endif

@@ -7,7 +7,7 @@
 #include "seen.glsl"
 #include "inputs/picture/gbuffer.glsl"
 uniform float pass_weight;  // share of this sample in the pixel
-uniform float pass_cover;   // what this pass adds to the pixel's coverage
+uniform float pass_cover;   // what this pass adds to the pixel's coverage: the first all
 uniform int pixel_stride = 1;  // 2: this picture is that of every second pixel of every second row
 layout(location = 0) out vec4 color;
 

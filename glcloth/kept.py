@@ -1,0 +1,48 @@
+"""Arrays that take long to make, kept in the cache folder under a key of all that they depend on. Nothing there is needed: a file
+that is missing, damaged or cannot be written is as none."""
+
+from __future__ import annotations
+
+import hashlib
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from .errors import InputError
+from .files import atomic_write, cache_dir
+
+
+def kept_path(folder: str, *parts: object) -> Path:
+    """The file, in a folder of the cache, of an array that depends on these parts: arrays by their bytes, all else by `repr`."""
+    key = hashlib.blake2b(digest_size=16)
+    for part in parts:
+        if isinstance(part, np.ndarray):
+            key.update(repr((part.shape, part.dtype.str)).encode())
+            key.update(np.ascontiguousarray(part).tobytes())
+        else:
+            key.update(repr(part).encode())
+    return cache_dir() / folder / f"{key.hexdigest()}.npz"
+
+
+def read_kept(path: Path, shape: tuple[int, ...], largest: float) -> np.ndarray | None:
+    """The float32 array of a file; None where there is none of this shape, or values are not finite or above `largest`."""
+    try:
+        with np.load(path) as file:  # a zip archive, with a sum over its bytes
+            array = file["array"]
+    except Exception:  # whatever a damaged file makes NumPy and zipfile raise
+        return None
+    good = array.shape == shape and array.dtype == np.float32 and np.isfinite(array).all()
+    return array if good and np.abs(array).max(initial=0.0) <= largest else None
+
+
+def keep(path: Path, array: np.ndarray, most: int | None = None) -> None:
+    """Write an array, where one can be written; of more than `most` files beside it the oldest go."""
+    with suppress(InputError, OSError):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with atomic_write(path) as temporary, open(temporary, "wb") as file:
+            np.savez(file, array=array)
+        if most is not None:
+            files = sorted(path.parent.glob("*.npz"), key=lambda other: other.stat().st_mtime)
+            for old in files[: max(len(files) - most, 0)]:
+                old.unlink()
