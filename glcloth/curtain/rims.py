@@ -10,10 +10,12 @@ from scipy.spatial import cKDTree
 
 from ..accel.queries import RayQueries
 from ..accel.structure import Structure
+from ..progress import track
 from ..twins.photons import CLOSE
 
 STEP = 0.03  # m, along an edge between two questions whether the surface goes on beyond it
 MOST_STEPS = 256  # of an edge
+MOST_QUESTIONS = 2_000_000  # of all edges, beside one each
 BEYOND = 0.002  # m, past an edge
 AGREE = 0.7  # cosine between normals of one surface, as of photons that count
 FLAT = 0.95  # cosine from which on surfaces are as good as parallel
@@ -58,7 +60,7 @@ def find_rims(ctx: moderngl.Context, positions: np.ndarray, structure: Structure
     tree = cKDTree(ends[rim, 0] + share[:, None] * (ends[rim, 1] - ends[rim, 0]))
     middle = corners.mean(1)
     radius = np.linalg.norm(corners - middle[:, None], axis=2).max(1)
-    for t in range(T):  # one at a time: the lists of all together have no bound
+    for t in track(range(T), "photons: rims of the room", T):  # one at a time: the lists of all together have no bound
         found = np.unique(rim[tree.query_ball_point(middle[t], radius[t] + 1.5 * reach)])
         agree = normals[owner[found]] @ normals[t]
         off = np.abs((ends[found].mean(1) - middle[t]) @ normals[t])
@@ -81,7 +83,8 @@ def _open_edges(
     b = np.roll(corners[there], -1, 1).reshape(-1, 3)
     triangle = np.repeat(np.flatnonzero(there), 3)
     length = np.linalg.norm(b - a, axis=1)
-    steps = np.clip(np.ceil(length / STEP), 1, MOST_STEPS).astype(int)
+    step = max(STEP, length.sum() / MOST_QUESTIONS)
+    steps = np.clip(np.ceil(length / step), 1, MOST_STEPS).astype(int)
     edge = np.repeat(np.arange(len(a)), steps)
     place = np.arange(len(edge)) - np.repeat(np.cumsum(steps) - steps, steps)
     n = normals[triangle[edge]]

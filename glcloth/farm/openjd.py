@@ -111,7 +111,7 @@ def check_template(path: Path) -> None:
     if path.suffix.lower() not in SUFFIXES:
         raise InputError(f"--openjd {path}: expected a name that ends in {', '.join(SUFFIXES)}")
     scene = _scene_file(path)
-    if scene.exists() and not scene.read_bytes().startswith(MARK.encode()):
+    if scene.exists() and not (scene.is_file() and scene.read_bytes().startswith(MARK.encode())):
         raise InputError(f"--openjd {path}: its scene would overwrite {scene}; choose another name")
 
 

@@ -8,6 +8,8 @@ import moderngl
 import numpy as np
 from OpenGL import GL
 
+from ..errors import InputError
+
 LARGEST = 4096  # texels a side
 
 
@@ -37,8 +39,13 @@ def resampled(picture: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 
 def picture_array(ctx: moderngl.Context, layers: np.ndarray) -> moderngl.TextureArray:
     """A texture array of half floats of layers [N, H, W, C <= 4], the first row at v = 0, that repeats; sides are powers of
-    two. Its levels are made here, for drivers round half floats down."""
+    two. Its levels are made here, for drivers round half floats down. Raises InputError for more layers than the device has."""
     count, height, width, channels = layers.shape
+    most = ctx.info["GL_MAX_ARRAY_TEXTURE_LAYERS"]
+    if count > most:
+        raise InputError(
+            f"{count} different pictures on the objects, expected at most {most} on this device; leave some out"
+        )
     level = np.ones((count, height, width, 4), np.float32)
     level[..., :channels] = layers
     texture = ctx.texture_array((width, height, count), 4, dtype="f2")

@@ -14,9 +14,11 @@ from ..cryptomatte import ranked
 from ..curtain.show import CLOTH, CurtainShow, camera_of
 from ..errors import InputError
 from ..geometry.camera import Camera, lens_samples, sample_offsets
+from ..progress import check_stopped
 from ..twins.octahedron import from_octahedral
 from .layers import CHANNELS, CRYPTOMATTE, FAR, Layers
 
+RAYS = 1 << 18  # at a time
 PATH_SAMPLES = 16  # of method path, whose own may be a million
 OF_CURTAIN = ("depth", "normal", "position", "uv", "mask", "cryptomatte")
 
@@ -36,18 +38,24 @@ def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray)
     sums = {name: np.zeros((height * width, len(CHANNELS[name]))) for name in names if name in CHANNELS}
     cover = np.zeros((height * width, len(soup.names))) if "cryptomatte" in names else None
     spp = PATH_SAMPLES if scene.method == "path" else scene.spp
+    step = max(1, RAYS // width)
+    blocks = [range(first, min(first + step, height)) for first in range(0, height, step)]
     for number, (offset, one) in enumerate(zip(sample_offsets(spp), lens_samples(camera, spp), strict=True)):
-        origins, ways = _rays(one, scene.size, offset)
-        hits = queries.closest_hit(show.tracer.structure(scene.accelerator), origins, ways)
-        met = hits.triangle >= 0
-        x = origins[met] + hits.t[met, None] * ways[met]
-        if "depth" in sums and number == 0:  # that of the pixel's centre: distances of two things have no mean
-            sums["depth"][:] = FAR
-            sums["depth"][met, 0] = (x - one.eye) @ one.axes[2]
-        for name in sums.keys() - {"depth"}:
-            sums[name][met] += soup.values(name, hits.triangle[met], hits.weights[met], x, ways[met]) / spp
-        if cover is not None:
-            cover[np.flatnonzero(met), soup.thing[hits.triangle[met]]] += 1.0 / spp
+        for rows in blocks:
+            here = slice(width * rows.start, width * rows.stop)
+            origins, ways = _rays(one, scene.size, offset, rows)
+            hits = queries.closest_hit(show.tracer.structure(scene.accelerator), origins, ways)
+            met = np.flatnonzero(hits.triangle >= 0)
+            triangle, way, pixel = hits.triangle[met], ways[met], here.start + met
+            x = origins[met] + hits.t[met, None] * way
+            if "depth" in sums and number == 0:  # that of the pixel's centre: distances of two things have no mean
+                sums["depth"][here] = FAR
+                sums["depth"][pixel, 0] = (x - one.eye) @ one.axes[2]
+            for name in sums.keys() - {"depth"}:
+                sums[name][pixel] += soup.values(name, triangle, hits.weights[met], x, way) / spp
+            if cover is not None:
+                cover[pixel, soup.thing[triangle]] += 1.0 / spp
+            check_stopped()
     out = Layers()
     out["beauty"] = picture
     for name in names:
@@ -63,10 +71,12 @@ def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray)
     return out
 
 
-def _rays(camera: Camera, size: tuple[int, int], offset: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
-    """Origins and directions [H W, 3] through the pixels, the top row first; a direction is 1 along the view."""
+def _rays(
+    camera: Camera, size: tuple[int, int], offset: tuple[float, float], rows: range
+) -> tuple[np.ndarray, np.ndarray]:
+    """Origins and directions [N, 3] through the pixels of some rows, counted from the top; a direction is 1 along the view."""
     width, height = size
-    y, x = np.mgrid[0:height, 0:width]
+    y, x = np.mgrid[rows.start : rows.stop, 0:width]
     pixels = np.stack([x + 0.5, height - 0.5 - y, np.ones(x.shape)], -1).reshape(-1, 3)
     pixels[:, :2] += offset
     return pixels @ camera.origin_from_pixel(size).T, pixels @ camera.ray_from_pixel(size).T

@@ -218,11 +218,14 @@ def test_a_template_overwrites_nothing_of_the_user(tmp_path, capsys, monkeypatch
     assert (tmp_path / "farm.toml").read_text() == own and load_scene("farm.json.toml").fabric == "linen"
     (tmp_path / "b.json.toml").write_text(own)
     assert "overwrite b.json.toml" in fails(capsys, *command, "b.json")
+    (tmp_path / "d.json.toml").mkdir()
+    assert "overwrite d.json.toml" in fails(capsys, *command, "d.json")
     assert "ends in .json" in fails(capsys, *command, "farm.toml")
     for more in (["--only", "1"], ["--resume"], ["--workers", "2"], ["--cluster", "tcp://1.2.3.4"]):
         assert f"leave {more[0]} out" in fails(capsys, *command, "c.json", *more)
     assert sorted(p.name for p in tmp_path.iterdir()) == [
         "b.json.toml",
+        "d.json.toml",
         "f",
         "farm.json",
         "farm.json.toml",

@@ -8,6 +8,7 @@ from glcloth.accel.queries import RayQueries
 from glcloth.bench.curtain import bench_curtain
 from glcloth.curtain.show import CurtainShow, camera_of
 from glcloth.errors import InputError
+from glcloth.picture import curtain_layers
 from glcloth.scene import CurtainParameters, Scene
 
 SMALL = Scene(size=(48, 48), curtain=CurtainParameters(quads=(48, 12), pleats=4, settle=0.2))
@@ -108,11 +109,15 @@ def test_a_scene_that_cannot_be_leaves_the_last_one(renderer):
     assert "samples" not in renderer.facts()
 
 
-def test_layers_of_the_curtain_are_what_its_rays_meet(renderer):
+def test_layers_of_the_curtain_are_what_its_rays_meet(renderer, monkeypatch):
     scene = SMALL.changed(size=(40, 30), spp=2)
     wanted = "depth,normal,position,uv,mask,cryptomatte"
     layers = renderer.render(scene, aovs=wanted)
     assert np.array_equal(layers["beauty"], renderer.render(scene)), "they change nothing"
+    with monkeypatch.context() as patch:
+        patch.setattr(curtain_layers, "RAYS", 250)
+        for name, layer in renderer.render(scene, aovs=wanted).items():
+            np.testing.assert_array_equal(layer, layers[name], err_msg=f"{name}, six rows at a time")
     camera, cloth = camera_of(scene), layers["mask"] == 1.0
     assert 0.1 < cloth.mean() < 0.9
     length = np.linalg.norm(layers["normal"][cloth], axis=-1)  # of the mean of two samples

@@ -8,12 +8,13 @@ import pytest
 from PIL import Image
 
 from glcloth.color import srgb_decode
+from glcloth.errors import InputError
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh_files import load_mesh, load_object
 from glcloth.geometry.placing import placed
 from glcloth.geometry.props import Objects
 from glcloth.geometry.raw import Material
-from glcloth.gpu.pictures import even_size, resampled
+from glcloth.gpu.pictures import even_size, picture_array, resampled
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.twins.gloss import f_gloss, gloss_albedo
 
@@ -163,3 +164,10 @@ def test_a_picture_of_another_size_keeps_its_mean():
         assert resampled(image, size).shape == (*size, 3)
         assert resampled(image, size).mean((0, 1)) == pytest.approx(image.mean((0, 1)), rel=1e-5)
     assert np.array_equal(resampled(image[:32, :64], (32, 64)), image[:32, :64])
+
+
+def test_more_pictures_than_the_device_takes_are_refused(ctx):
+    most = ctx.info["GL_MAX_ARRAY_TEXTURE_LAYERS"]
+    picture_array(ctx, np.zeros((3, 1, 1, 3), "f4")).release()
+    with pytest.raises(InputError, match=f"{most + 1} different pictures .* at most {most}"):
+        picture_array(ctx, np.zeros((most + 1, 1, 1, 3), "f4"))

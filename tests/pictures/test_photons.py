@@ -8,7 +8,10 @@ import pytest
 from scipy.stats import chi2
 
 from glcloth.accel.points import PointTree
+from glcloth.accel.queries import RayQueries
+from glcloth.accel.structure import make_structure
 from glcloth.accel.triangles import Triangles, pack_units
+from glcloth.curtain import rims
 from glcloth.curtain.charts import OPEN
 from glcloth.curtain.photons import PhotonMap, Photons
 from glcloth.curtain.room import Room, box, inside_out
@@ -232,6 +235,21 @@ def test_fewer_neighbours_from_sample_to_sample():
     assert shares[1] == pytest.approx((1 + 2 / 3) / 2)
     assert shares[299] == pytest.approx(shares[99] * 3 ** (-1 / 3), rel=0.01)
     assert [photons.neighbours_of(k) for k in (0, 1, 10**6)] == [400, round(400 * 5 / 6), 8]
+
+
+def test_rims_of_a_large_room_take_a_bounded_number_of_questions(ctx, monkeypatch):
+    """A room of a kilometre, in wrong units perhaps: its rims are found, by longer steps."""
+    floor = 1000.0 * np.float32([[[0, 0, 0], [1, 0, 1], [1, 0, 0]], [[0, 0, 0], [0, 0, 1], [1, 0, 1]]])
+    triangles, asked = Triangles.of(ctx, floor), []
+    structure = make_structure(ctx, "kdtree")
+    structure.build(triangles)
+    cast = RayQueries.closest_hit
+    monkeypatch.setattr(RayQueries, "closest_hit", lambda self, s, o, *a: asked.append(len(o)) or cast(self, s, o, *a))
+    monkeypatch.setattr(rims, "MOST_QUESTIONS", 500)
+    found = rims.find_rims(ctx, floor, structure, 1.0)
+    assert sum(asked) <= 500 + 6 and found.lists[:, 1].tolist() == [4, 4, 4, 4]
+    structure.release()
+    triangles.release()
 
 
 @pytest.fixture(scope="module")

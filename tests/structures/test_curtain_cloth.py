@@ -6,6 +6,8 @@ from test_simulation import crossings
 
 from glcloth.curtain.hanging import CurtainParameters, CurtainSimulation, pleated_rail
 from glcloth.errors import InputError
+from glcloth.gpu.buffers import Buffer
+from glcloth.simulation.cloth import Rail
 from glcloth.simulation.solids import Plane
 
 
@@ -230,3 +232,20 @@ def test_bad_parameters_end_in_one_line(change):
 def test_pleats_too_full_for_their_quads():
     with pytest.raises(InputError, match="too few"):
         pleated_rail(CurtainParameters(fullness=4.0), 159)
+
+
+def test_a_heading_turns_the_shorter_way(ctx):
+    """Cloth that is blown over its rail: from 3 rad on to -3 rad it is 0.28 rad, not 6."""
+    rest = np.array([[[0.1 * k, 2.1 - 0.1 * row, 0.0] for k in range(3)] for row in range(2)], np.float32)
+    rail = Rail(ctx, rest, 5)
+    x = np.zeros((5, 3, 4), np.float32)
+    x[:2, :, :3], x[2:, :, 1] = rest, 2.0
+    x[rail.row, :, 1:3] = rail.axis[0] - np.cos(-3.0), rail.axis[1] + np.sin(-3.0)
+    positions = Buffer(ctx, x)
+    rail._heading.write(np.float32([3.0]))
+    rail.turn({"Position": positions}, 0.1 / Rail.FASTEST)
+    assert rail.angle == pytest.approx(3.1)
+    rail.turn({"Position": positions}, 1.0)
+    assert rail.angle == pytest.approx(2 * np.pi - 3.0, abs=1e-5)
+    rail.release()
+    positions.release()

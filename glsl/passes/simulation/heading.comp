@@ -1,6 +1,7 @@
 #version 430
 // A heading that turns about its rail with the cloth below it, as tape does on gliders: the wave of the first rows stays across
 // the way that the cloth takes away from it. One work group.
+#include "core/math.glsl"
 layout(local_size_x = 64) in;
 layout(std430) buffer Position { vec4 x[]; };
 layout(std430) buffer Heading { vec4 heading[]; };   // (angle, -), then of each vertex of the heading its place at rest: (x, off the axis)
@@ -27,7 +28,9 @@ void main() {
     }
     float angle = heading[0].x;
     float wanted = sums[0] == vec2(0.0) ? angle : atan(sums[0].y, -sums[0].x);
-    angle += clamp(wanted - angle, -most, most);
+    // The shorter way round: atan knows angles to half a turn.
+    float turn = wanted - angle - 2.0 * PI * round((wanted - angle) / (2.0 * PI));
+    angle += clamp(turn, -most, most);
     float s = sin(angle), c = cos(angle);
     for (int k = lane; k < held; k += 64) {
         vec3 rest = heading[1 + k].xyz;
