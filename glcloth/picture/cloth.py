@@ -10,6 +10,7 @@ import numpy as np
 
 from ..fabric import Fabric, Transmission
 from ..geometry.mesh import Mesh
+from ..gpu.covered import Way, shading
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Compute, Draw, programs
@@ -164,16 +165,16 @@ class ClothSurface(Surface):
         seen = SEEN_ALL if self.visibility.mode == "off" else self.visibility.source
         return {"method.glsl": self.method.source, "seen.glsl": seen, **self.method.includes()}
 
-    def program(self, buffer: GBuffer) -> Draw:
-        """The program that shades the pixels of a G-buffer."""
+    def program(self, buffer: GBuffer, way: Way | None = None) -> Draw | Compute:
+        """The program that shades the pixels of a G-buffer; `way`: this one and not the frame's."""
         defines = {**self.method.defines(), **buffer.defines()}
-        return programs(self.ctx).screen("passes/picture/shade.frag", defines, self._virtual())
+        return shading(self.ctx, "shade", defines, self._virtual(), way or self.way)
 
-    def woven_program(self, buffer: GBuffer) -> Draw:
+    def woven_program(self, buffer: GBuffer) -> Draw | Compute:
         """As `program`, for pixels that show threads."""
         virtual = {**self._virtual(), "inputs/methods/threads.glsl": self.threads.source}
         defines = {**self.threads.defines(self.method), **buffer.defines()}
-        return programs(self.ctx).screen("passes/picture/shade.frag", defines, virtual)
+        return shading(self.ctx, "shade", defines, virtual, self.way)
 
     @property
     def list_program(self) -> Compute:
@@ -203,10 +204,11 @@ class ClothSurface(Surface):
             self._shade_through(buffer, view, number, weight, rows)
 
     def _shade_threads(self, buffer: GBuffer, inputs: tuple, add: bool, rows: tuple[int, int] | None) -> None:
-        far, near = (self.threads.choose(buffer, which) for which in (False, True))
-        buffer.shade(self.program(buffer), *inputs, add=add, rows=rows, part=far)
+        for near in (False, True):
+            self.threads.choose(buffer, near)
+        buffer.shade(self.program(buffer), *inputs, add=add, rows=rows, part=False)
         woven = self.threads.inputs(self.method, buffer)
-        buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=near)
+        buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=True)
 
     def straight_program(self, buffer: GBuffer) -> Draw:
         if not self.threads.woven:
@@ -231,7 +233,7 @@ class ClothSurface(Surface):
         if self.threads.shown:
             holes = WOVEN_HOLES if self.threads.woven else {}
             virtual, defines = {**virtual, **holes}, {**self.threads.defines(self.method), **defines}
-        program = programs(self.ctx).screen("passes/picture/through.frag", defines, virtual)
+        program = shading(self.ctx, "through", defines, virtual, self.way)
         if sums:
             light = {**self.method.inputs(), **view.drawn_inputs(), **self.passes[number]}
         else:
@@ -263,7 +265,7 @@ class ClothSurface(Surface):
         return Shown(
             near,
             far,
-            programs(self.ctx).screen("passes/picture/shade_terms.frag", terms, virtual),
+            shading(self.ctx, "shade_terms", terms, virtual, self.way),
             7 * groups + 1,
             programs(self.ctx).compute("passes/picture/shade_list.comp", defines, {**self._virtual(), **woven}),
             defines,
