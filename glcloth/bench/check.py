@@ -52,7 +52,7 @@ PICTURES: Mapping[str, dict[str, Any]] = {
                 "ground": "auto", "shadows": "full"},
     "threads": {**_CLOTH, "fabric": "denim_raw", "mesh": "plane",
                 "camera": View(eye=(0.0, 0.012, 0.008), target=(0.0, 0.0, 0.0))},
-    "sheer": {**_CLOTH, "fabric": "voile", "mesh": "sphere", "background": True},
+    "sheer": {**_CLOTH, "fabric": "sheer_voile", "mesh": "sphere", "background": True},
     "lens": {**_CLOTH, "fabric": "silk_shot", "adaptive": True, "spp": 2, "camera": View(view="three-quarter", aperture=0.1)},
     "curtain kdtree": {"scene": _CURTAIN},
     "curtain lbvh": {"scene": _CURTAIN.changed(accelerator="lbvh")},

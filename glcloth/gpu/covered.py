@@ -19,9 +19,7 @@ EMPTY = np.array([GROUPS_OF_A_ROW, 0, 1, 0], "u4")
 MOST_PIXELS = 1 << 25  # that are listed at a time, in rows of work groups of which a device takes 65,535 at least
 
 
-def shading(
-    ctx: moderngl.Context, what: str, defines: Inputs, virtual: Mapping[str, str], way: Way
-) -> Draw | Compute:
+def shading(ctx: moderngl.Context, what: str, defines: Inputs, virtual: Mapping[str, str], way: Way) -> Draw | Compute:
     """The program that shades pixels, for `Covered.shade`; parameters as for `Programs.compute`.
 
     `what`: shade, through, lambert, object or shade_terms, of passes/picture.
@@ -66,7 +64,9 @@ class Covered:
         for low in range(first, first + count, most):
             band = low, min(low + most, first + count)
             listed = self._pixels(target, band, key)
-            images = dict(zip(("target_color", "target_bounce", "target_through"), target.color_attachments, strict=False))
+            images = dict(
+                zip(("target_color", "target_bounce", "target_through"), target.color_attachments, strict=False)
+            )
             program.run_indirect(listed, *inputs, images, Covered=listed, adds=add)
 
     def _pixels(self, target: moderngl.Framebuffer, band: tuple[int, int], key: Any) -> Buffer:

@@ -188,14 +188,17 @@ class ClothSurface(Surface):
             seen = seen | view.drawn_inputs()
         return {**self.scene_buffers.inputs(), **seen, **self.method.inputs()}
 
+    def shade_inputs(self, view: PixelView, number: int, weight: float) -> tuple[Mapping[str, Any], ...]:
+        """What `program` reads beside the G-buffer; parameters as for `shade`."""
+        share = {"pass_weight": weight * self.visibility.limit, "pass_cover": 0.0 if number else weight}
+        return self.inputs(view), {**share, "pixel_stride": 1}, self.passes[number]
+
     def shade(
         self, buffer: GBuffer, view: PixelView, number: int, weight: float, add: bool, rows: tuple[int, int] | None
     ) -> None:
         if number >= self.pass_count:
             return
-        limit = self.visibility.limit
-        share = {"pass_weight": weight * limit, "pass_cover": 0.0 if number else weight, "pixel_stride": 1}
-        inputs = self.inputs(view), share, self.passes[number]
+        inputs = self.shade_inputs(view, number, weight)
         if not self.threads.shown:
             buffer.shade(self.program(buffer), *inputs, add=add, rows=rows)
         else:
