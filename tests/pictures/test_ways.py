@@ -59,9 +59,7 @@ def test_bands_of_compute_are_the_whole(renderer):
         pass
     assert np.array_equal(renderer.target.read(), whole)
     # The list follows what is covered.
-    moved = renderer.prepare(
-        **COMMON, fabric="linen", mesh="plane", shade="compute", camera=View(view="side")
-    )
+    moved = renderer.prepare(**COMMON, fabric="linen", mesh="plane", shade="compute", camera=View(view="side"))
     assert np.array_equal(renderer.render_frame(moved)[..., 3] > 0, renderer.gbuffer.covered()) and not np.array_equal(
         renderer.target.read(), whole
     )
