@@ -8,6 +8,7 @@ import pytest
 
 from glcloth.curtain.show import CurtainShow
 from glcloth.gpu.buffers import Buffer
+from glcloth.gpu.programs import Compute, programs
 from glcloth.gpu.tally import Counted, counting
 from glcloth.light.lights import Lights, SphericalGaussians
 from glcloth.scene import CurtainParameters, Scene
@@ -22,6 +23,10 @@ SMALL = {
     "passes/accel/kdtree_order.comp": "one work group",
     "passes/simulation/strips.comp": "one a strip",
     "passes/tracing/generation.comp": "the counters of a generation",
+}
+# Likewise of work groups of fewer, of which there are many.
+SMALL_GROUPS = {
+    "passes/accel/kdtree_masks.comp": "one a small node, whose references are at most 64; 32 was no faster"
 }
 
 
@@ -111,6 +116,14 @@ def test_dispatches_of_a_frame_of_the_curtain(ctx, curtain):
     assert moved.dispatched <= 80
     few = {path for counted in (moved, built, traced) for path, items in counted.fewest.items() if items < FEW}
     assert few <= SMALL.keys()
+    # Those whose size the GPU alone knows are of whole work groups, or of none.
+    groups = {
+        one.path: int(np.prod(one.group_size)) for one in programs(ctx)._programs.values() if isinstance(one, Compute)
+    }
+    indirect = {path for counted in (moved, built, traced) for path in counted.dispatches} - {
+        path for counted in (moved, built, traced) for path in counted.fewest
+    }
+    assert len(indirect) > 10 and {path for path in indirect if groups[path] < FEW} <= SMALL_GROUPS.keys()
 
 
 def test_counts_are_of_what_is_within(ctx):
