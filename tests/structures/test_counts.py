@@ -25,9 +25,7 @@ SMALL = {
     "passes/tracing/generation.comp": "the counters of a generation",
 }
 # Likewise of work groups of fewer, of which there are many.
-SMALL_GROUPS = {
-    "passes/accel/kdtree_masks.comp": "one a small node, whose references are at most 64; 32 was no faster"
-}
+SMALL_GROUPS = {"passes/accel/kdtree_masks.comp": "one a small node, whose references are at most 64; 32 was no faster"}
 
 
 @pytest.fixture(scope="module")
