@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import above_horizon, between, directions, vectors
+from . import above_horizon, between, directions, log_between, vectors
 
 
 def weights(rng, count):
@@ -52,6 +52,9 @@ SPECIAL = {
     ("with_mean", "wanted"): between(0.2, 2.0),
     ("facing_normal", "least"): between(0.02, 0.1),
     ("largest", "v"): vectors(1.0),
+    ("in_texel", "middle"): directions,
+    ("in_texel", "solid_angle"): log_between(1e-6, 0.3),
+    ("in_texel", "at"): lambda rng, count: rng.uniform(-0.5, 0.5, (count, 2)),
     ("pow5", "x"): between(-2.0, 2.0, 0.0, 1.0),
     ("orthogonal_part", "v"): vectors(1.0),
     ("mirrored_direction", "d"): directions,

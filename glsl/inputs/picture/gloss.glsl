@@ -18,7 +18,5 @@ Gloss gloss_from(vec3 N, vec3 omega_o, vec3 F_0, float roughness) {
     return Gloss(omega_o, F_0, roughness * roughness, F_repeated(F_0, albedo.x), F_repeated(F_0, albedo.y));
 }
 
-const float MAP_ALPHA = 0.06;  // of the reference: its directions are a few degrees apart
-
 Gloss gloss;
 vec3 L_gloss = vec3(0.0);

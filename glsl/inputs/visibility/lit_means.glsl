@@ -14,6 +14,7 @@ float V_number(ivec2 pixel, int n) {
 
 #ifdef GLOSSY
 #include "inputs/picture/gloss.glsl"
+const float LEAST_ROUGHNESS = 0.0;
 const float SUN_ALPHA = 0.02;  // a sun is no point: its image in a mirror is a disk
 #endif
 
