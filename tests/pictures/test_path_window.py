@@ -43,5 +43,5 @@ def test_it_is_shown_while_it_goes_on_and_begins_again(ctx, renderer, monkeypatc
     catcher = renderer.prepare(**{**look, "ground": "catcher"})
     refiner.show([catcher])
     finish(refiner)
-    assert refiner.sides[0].share == 1.0 and not refiner._samples
+    assert refiner.sides[0].share == 1.0 and refiner.status(catcher.scene)[0].startswith("direct: ")
     refiner.release()
