@@ -25,6 +25,7 @@ from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..light import equirect
 from ..light.environment import Environment, rotation_y
+from ..tracing.fabrics import fabric_defines
 from ..tracing.shot import Shot
 from .form_factors import facing_the_room, find_openings
 from .portals import CELLS, Emission, emission
@@ -244,7 +245,7 @@ class PhotonMap:
         }  # fmt: skip
         for first in range(0, count, CHUNK):
             n = min(CHUNK, count - first)
-            passes.compute("passes/curtain/photon_trace.comp", None, tracing(structure)).run(
+            passes.compute("passes/curtain/photon_trace.comp", fabric_defines(inputs), tracing(structure)).run(
                 n, structure.inputs(), inputs, names, Slots=self._slots, Found=self._found, slots_each=SLOTS,
                 first_photon=first, photon_count=n,
             )  # fmt: skip

@@ -185,6 +185,9 @@ void main() {
                 slot[to + 1] = uvec4(floatBitsToUint(photon.W), uint(place));
                 ++arrivals;
             }
+#ifdef FABRICS
+            take_fabric(triangle);
+#endif
             if (s.cloth) meet_cloth(photon, s, p, visit.t);
             else meet_solid(photon, s, p, arrivals);
             more = most(photon.W) > 0.0;
