@@ -46,7 +46,8 @@ class HangingGrid:
     """Where the cloth of a scene is a grid of vertices, which says how it lies on its weave.
 
     first : number of its first triangle; two to a quad, row by row. quads : a row. size : metres of flat cloth that a quad
-    measures along a row and down a column. low, high : corners of a box in which the cloth hangs.
+    measures along a row and down a column. low, high : corners of a box in which the cloth hangs. count, pieces : triangles of
+    a piece of cloth, and how many of them there are, one behind the other; 0: all are of one.
     """
 
     first: int
@@ -54,6 +55,8 @@ class HangingGrid:
     size: tuple[float, float]
     low: tuple[float, float, float]
     high: tuple[float, float, float]
+    count: int = 0
+    pieces: int = 1
 
 
 @dataclass(frozen=True)
@@ -90,7 +93,9 @@ class Shot:
                     "sheer_voile"
                 )
         if len(self.fabrics) > MOST_FABRICS:
-            raise InputError(f"{len(self.fabrics)} fabrics in one picture, expected at most {MOST_FABRICS}; leave some out")
+            raise InputError(
+                f"{len(self.fabrics)} fabrics in one picture, expected at most {MOST_FABRICS}; leave some out"
+            )
 
     @property
     def fabrics(self) -> tuple[Fabric, ...]:

@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from test_tracer import DARK, ROOM_CAMERA, ROOM_LIGHT, VOILE, WHITE, folded_scene, pixel_directions, rectangle, through
 
+from glcloth.color import luminance
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
+from glcloth.scene import Scene
 from glcloth.tracing.lamp import Lamp, Lighting
 from glcloth.tracing.shot import Shot, TraceSettings
 from glcloth.tracing.tracer import Tracer
@@ -77,3 +79,26 @@ def test_wrong_input():
         dataclasses.replace(shot, others=((3, load_fabric("linen")),))
     with pytest.raises(InputError, match="5 fabrics in one picture"):
         dataclasses.replace(shot, others=tuple((k, VOILE) for k in range(4)))
+
+
+def test_a_second_curtain_by_every_way_that_light_takes(renderer):
+    small = {"quads": (72, 18), "pleats": 6, "settle": 0.1, "behind": "linen_curtain"}
+    scene = Scene(
+        curtain=small, size=(24, 24), frame=1, fabric="sheer_voile", photons=40_000, photon_neighbours=200, spp=4
+    )
+    by_photons = luminance(np.asarray(renderer.render(scene.changed(gi="photons")), float))
+    renderer.render(scene.changed(method="path", spp=64))
+    sums = renderer.path_sums()
+    by_paths, noise = luminance(sums.picture[..., :3].astype(float)), np.sqrt((sums.standard_error**2).mean()) / 24
+    assert abs(by_photons.mean() / by_paths.mean() - 1) < 0.04 + 4 * noise / by_paths.mean()
+    # Which one is before: through the sheer one the red one behind is seen, through blackout nothing.
+    middle = slice(9, 15), slice(10, 16)
+    red = scene.changed(spp=1, curtain=small | {"behind_color": "red"})
+    seen, hidden = (
+        np.asarray(renderer.render(s), float)[middle].mean((0, 1)) for s in (red, red.changed(fabric="blackout"))
+    )
+    assert seen[0] > 1.5 * seen[1] and hidden[0] < 1.2 * hidden[1]
+    with pytest.raises(InputError, match="gi radiosity: of one curtain"):
+        renderer.render(scene.changed(gi="radiosity"))
+    with pytest.raises(InputError, match="curtain: behind Linen plain: has no"):
+        renderer.render(scene.changed(curtain=small | {"behind": "linen"}))

@@ -178,7 +178,7 @@ void main() {
                     FlatPlace laid = flat_place(triangle, visit.weights, -photon.d);
                     at = laid.p;
                     n = laid.n;
-                    place = 2 * solid_triangles + laid.side;
+                    place = 2 * (solid_triangles + laid.piece) + laid.side;
                 }
                 int to = 2 * (slots_each * i + arrivals);
                 slot[to] = uvec4(floatBitsToUint(at), packSnorm2x16(octahedral(n)));
