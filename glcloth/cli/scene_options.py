@@ -70,6 +70,9 @@ class SceneOptions:
     fullness: Annotated[float | None, Parameter(help="Width of the cloth over that of the rail (1 to 4; curtain).")] = None
     heading: Annotated[str | None, Parameter(help="Tape holds the whole upper edge in deep folds, pencil in narrow ones; rings hold the front of each fold; with eyelet even folds, with rod narrow gathers stand about the rod, and a little above it (tape, rings, pencil, eyelet or rod; curtain).")] = None
     color: Annotated[str | None, Parameter(help="Colour of the cloth instead of its fabric's own, which colours what shines through as well: R,G,B, #rrggbb, or a name such as crimson; none: the fabric's (0 to 1 linear Rec. 709; curtain).")] = None
+    open: Annotated[float | None, Parameter(help="The curtain is a pair, drawn so far apart in the middle; 0: one piece (from 0 m; curtain).")] = None
+    behind: Annotated[str | None, Parameter(help="Fabric of a second curtain between this one and the window, such as blackout behind a sheer; none: there is none (curtain).")] = None
+    behind_open: Annotated[float | None, Parameter(help="The second curtain is a pair, drawn so far apart in the middle; 0: one piece (from 0 m; curtain).")] = None
     wind: Annotated[float | None, Parameter(help="Wind into the room, perpendicular to the window; animate: along the built-in cloth (-20 to 20 m/s; curtain).")] = None
     print_repeat: Annotated[float | None, Parameter(help="Print: How much of the cloth one repeat covers, along u; in metres it keeps its proportions along v (0.001 to 1e+06).")] = None
     print_unit: Annotated[str | None, Parameter(help="Print: Of the repeat: UV units, where it is as high as wide, or metres (uv or m).")] = None

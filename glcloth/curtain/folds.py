@@ -16,6 +16,7 @@ from ..accel.triangles import Triangles
 from ..color import luminance
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
+from ..tracing.fabrics import fabric_defines
 from .form_factors import Sheet
 
 PATHS = 8192  # from each side
@@ -180,7 +181,9 @@ class HangingCloth:
     def _fates(self, inputs: Mapping[str, Any], inner: np.ndarray, thick: float) -> np.ndarray:
         """What became of the paths, [2 PATHS, 5, 4]."""
         out = Buffer(self.ctx, 160 * PATHS)
-        program = programs(self.ctx).compute("passes/curtain/folds.comp", None, tracing(self.structure))
+        program = programs(self.ctx).compute(
+            "passes/curtain/folds.comp", fabric_defines(inputs), tracing(self.structure)
+        )
         program.run(
             2 * PATHS, self.structure.inputs(), inputs, Paths=out, path_count=2 * PATHS, sheet=tuple(inner),
             sheet_z=self.sheet.z, thick=thick,
@@ -222,7 +225,7 @@ def attenuate(
     ends: TextureBuffer | None = None,
 ) -> None:
     """Write to `after` what of the light `before` arrives at points from the lamp, or from `ends`, past cloth and all else."""
-    program = programs(ctx).compute("passes/curtain/through.comp", None, tracing(structure))
+    program = programs(ctx).compute("passes/curtain/through.comp", fabric_defines(inputs), tracing(structure))
     for k, chunk in enumerate(structure.chunks()):
         program.run(
             count, structure.inputs(), inputs, chunk, points=points, ends=ends or points, arriving=before, Lights=after,

@@ -116,10 +116,17 @@ class _Soup:
     def _uv(self, triangles: np.ndarray) -> np.ndarray:
         """UVs [N, 3, 2] of the corners of cloth, in metres as it lies flat: passes/accel/gather_grid.comp has their order."""
         simulation = self._show.simulation
-        rows, columns, parameters = simulation.rows, simulation.columns, simulation.parameters
-        quad, second = np.divmod(triangles, 2)
-        row, column = np.divmod(quad, columns - 1)
-        places = np.array([[[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 0], [1, 1]]])[second]  # row, column of each corner
-        u = (column[:, None] + places[..., 1]) / (columns - 1) * parameters.width * parameters.fullness
-        v = (1.0 - (row[:, None] + places[..., 0]) / (rows - 1)) * parameters.drop
-        return np.stack([u, v], -1)
+        out, first = np.zeros((len(triangles), 3, 2)), 0
+        for piece, count in zip(simulation.pieces, simulation.triangle_counts, strict=True):
+            here = (triangles >= first) & (triangles < first + count)
+            parameters = piece.parameters
+            quad, second = np.divmod(triangles[here] - first, 2)
+            row, column = np.divmod(quad, piece.columns - 1)
+            places = np.array([[[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 0], [1, 1]]])[
+                second
+            ]  # row, column of each corner
+            u = (column[:, None] + places[..., 1]) / (piece.columns - 1) * parameters.width * parameters.fullness
+            v = (1.0 - (row[:, None] + places[..., 0]) / (piece.rows - 1)) * parameters.drop
+            out[here] = np.stack([u, v], -1)
+            first += count
+        return out

@@ -21,6 +21,7 @@ from ..accel.structure import Structure
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.layout import shared
 from ..gpu.programs import Compute, programs
+from .fabrics import fabric_defines
 from .shot import DEEPEST, Shot, TraceStatistics
 
 CONSTANTS: Mapping[str, Any] = shared("trace/shared.glsl")[0]
@@ -61,8 +62,8 @@ class Picture:
 
     @property
     def holes(self) -> dict[str, Any]:
-        """The define of passes that know where a weave has its holes."""
-        return {"HOLES": 1} if "hole_map" in self.inputs else {}
+        """The defines of passes that know the cloth: where a weave has its holes, and that there are several fabrics."""
+        return ({"HOLES": 1} if "hole_map" in self.inputs else {}) | fabric_defines(self.inputs)
 
     @property
     def stride(self) -> int:

@@ -22,6 +22,7 @@ from ..gpu.scene_buffers import SceneBuffers
 from ..light.environment import rotation_y
 from ..progress import track
 from .energy import mean_albedo, reflection_limit
+from .fabrics import Fabrics, straight_share
 from .holes import Holes
 from .layers import draw_layers
 from .rays import BLOCK, Picture, Rays, Tile
@@ -47,6 +48,7 @@ class Tracer:
         self._triangles: Triangles | None = None
         self._materials = TextureBuffer(ctx, 64)
         self._fabric = SceneBuffers(ctx)
+        self._fabrics = Fabrics(ctx)
         self._environment = EnvironmentMap(ctx)
         self._rays = Rays(ctx)
         self._holes = Holes(ctx)
@@ -187,11 +189,11 @@ class Tracer:
             "lamp": shot.lighting.lamp.position,
             "intensity": shot.lighting.lamp.intensity,
             "ambient": shot.lighting.ambient,
-            # To the lamp half of the light goes on straight; with light from all around, all but what is scattered.
-            "straight_share": 0.5 if shot.indirect is None else 1.0 - 0.5 * shot.transmission.diffuse,
+            "straight_share": straight_share(shot.transmission, shot.indirect is not None),
             # The scene lies within `scale` of the middle along each axis: this far from any of its points is outside.
             "beyond": 2 * 3**0.5 * self.triangles.padding / PADDING,
             "offset": OFF * self.triangles.padding,
+            **self._fabrics.inputs(shot),
             **(shot.indirect or {}),
         }
 
@@ -211,7 +213,8 @@ class Tracer:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (self.picture, self._materials, self._fabric, self._environment, self._rays, self._holes):
+        things = self.picture, self._materials, self._fabric, self._fabrics, self._environment, self._rays, self._holes
+        for thing in things:
             thing.release()
         for structure in self._structures.values():
             structure.release()

@@ -143,7 +143,7 @@ def test_the_sky_through_the_window_is_the_sky(renderer):
     for rectangles in (portals, portals[:0]):
         paths = CurtainPaths(renderer.ctx, show.room)
         paths._portals = rectangles
-        for _ in paths.steps(show.simulation.mesh(), show.shot(), 64, vertices=3):
+        for _ in paths.steps(show.simulation.meshes(), show.shot(), 64, vertices=3):
             pass
         sums = paths.tracer.sums()
         hit = np.arange(20)[:, None] >= np.full(20, 15)  # floor and table

@@ -91,6 +91,9 @@ void main() {
 #endif
     vec3 seen = weight.rgb * (met ? even : sky(d));
 #else
+#ifdef FABRICS
+    take_fabric(triangle);
+#endif
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = -d * world_from_surface;
 #ifdef HOLES
