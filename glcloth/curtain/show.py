@@ -213,15 +213,18 @@ class CurtainShow:
         low, high = (-0.6 * m.width, m.top - m.drop, -0.5), (0.6 * m.width, m.top, 0.5)
         return HangingGrid(len(self.room.positions), self.simulation.columns - 1, size, low, high)
 
-    def picture(self) -> np.ndarray:
-        """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first."""
+    def picture(self, parted: bool = False) -> np.ndarray:
+        """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first.
+
+        parted : keep kinds of light apart, which `tracer.parts` then has; not by method path
+        """
         if self.scene.method == "path":
             if self.scene.denoise:
                 check_denoiser()
             sums = self.path_sums()
             return (denoised(sums) if self.scene.denoise else sums.picture)[..., :3]
         self.build()
-        return self.tracer.trace(self.lit(self.shot()))
+        return self.tracer.trace(dataclasses.replace(self.lit(self.shot()), parted=parted))
 
     @property
     def radiosity(self) -> Radiosity:

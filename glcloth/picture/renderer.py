@@ -26,7 +26,7 @@ from ..scene import MethodName, Quality, Scene, View, load_scene
 from ..tracing.denoise import denoised
 from .background import Background
 from .frame import Frame, Frames
-from .layers import Gathering, Layers, chosen
+from .layers import LIGHT, Gathering, Layers, chosen
 from .pace import Pace
 from .path import PathPictures
 from .picked import Picked, pick
@@ -129,9 +129,9 @@ class Renderer:
         if scene.curtain is not None:
             from .curtain_layers import check_names, curtain_layers  # cloth starts without it
 
-            check_names(names)
+            check_names(names, changes.get("method", scene.method))
             show = self.show(scene, **changes)
-            picture = show.picture()
+            picture = show.picture(parted=bool(set(names) & set(LIGHT)))
             check_errors(self.ctx, "curtain")
             picture = as_picture(picture, show.scene)
             return curtain_layers(show, names, picture) if names else picture

@@ -64,6 +64,7 @@ class Shot:
     indirect : inputs of `indirect_source`, the light from around the room instead of the lighting's `ambient`.
     renewed : finds such inputs anew for each sample of the pixels, in steps, the last of which brings them.
     grid : of the cloth; with it the holes of a fabric's weave are seen, and the light that falls through them.
+    parted : keep the kinds of light of the pixels apart, for `Tracer.parts`.
     """
 
     camera: Camera
@@ -78,6 +79,7 @@ class Shot:
     indirect_source: str = "inputs/tracing/indirect.glsl"
     renewed: Callable[[int], Iterator[Mapping[str, Any]]] | None = None
     grid: HangingGrid | None = None
+    parted: bool = False
 
     def __post_init__(self) -> None:
         if self.fabric.transmission is None:
