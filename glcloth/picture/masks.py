@@ -67,11 +67,18 @@ class Masked:
     numbers : [H, W] uint8, the first row at v = 0
     number : of the piece
     repeat : UV units of one repeat, along u and v
+    piece, whole : its mesh, and the one that it was cut from
     """
 
     numbers: np.ndarray
     number: int
     repeat: tuple[float, float]
+    piece: Mesh
+    whole: Mesh
+
+    def number_at(self, uv: np.ndarray) -> int:
+        """The number of a place [2] of the whole mesh."""
+        return int(_numbers_at(self.numbers, uv / np.array(self.repeat)))
 
     def mostly(self, mesh: Mesh) -> np.ndarray:
         """The triangles [T] that show this number more than any other, a smaller one at a draw: each hides light once."""
@@ -119,7 +126,8 @@ def split(mesh: Mesh, mask: FabricMask, colors: Sequence[str], scale: float) -> 
     pieces = []
     for number in np.unique(numbers).tolist():
         if (shows := _count(numbers == number, low, high) > 0).any():
-            pieces.append((number, taken(mesh, shows), Masked(numbers, number, repeat)))
+            piece = taken(mesh, shows)
+            pieces.append((number, piece, Masked(numbers, number, repeat, piece, mesh)))
     return pieces
 
 

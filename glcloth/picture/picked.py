@@ -22,6 +22,9 @@ class Picked(NamedTuple):
     mask: int
 
 
+OPEN = Picked(-1, (), 0)  # a place that is cut out
+
+
 def pick(target: Target, cloths: Sequence[ClothSurface], x: float, y: float) -> Picked | None:
     """The cloth at a place of the picture on a target, `x` and `y` from 0 to 1 from its top left corner; None: there is none."""
     for number, cloth in enumerate(cloths):

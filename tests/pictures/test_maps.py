@@ -197,15 +197,18 @@ def test_open_cloth_casts_no_shadow(renderer, tmp_path):
 # -- fabric masks --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("method", ["direct", "reference", "paper"])
+@pytest.mark.parametrize("method", ["direct", "reference", "paper", "path"])
 def test_each_half_of_a_mask_has_the_bits_of_its_fabric(renderer, tmp_path, method):
     """The mask's left half is blue, its right half white, which has no fabric of its own."""
     mask = texture(tmp_path, np.repeat(np.repeat([[(0, 0, 1), (1, 1, 1)]], 4, 0), 4, 1))
-    look = {"mesh": board(), "camera": FRONT, "size": (40, 8), "background": False, "shadows": "off", "method": method}
-    look |= {"cube": 6, "grid": 8}
+    look = {"mesh": board(), "camera": FRONT, "size": (40, 8), "background": False, "method": method}
+    look |= {"cube": 6, "grid": 8} | ({"spp": 4} if method == "path" else {"shadows": "off"})
     linen, velvet = (renderer.render(fabric=name, **look) for name in ("linen", "velvet"))
     shown = renderer.render(fabric="linen", fabrics={"#00f": "velvet"}, fabric_mask=mask, **look)
-    assert np.array_equal(shown[:, :20], velvet[:, :20]) and np.array_equal(shown[:, 20:], linen[:, 20:])
+    if method == "path":  # the same samples in another program
+        np.testing.assert_allclose(shown, np.concatenate([velvet[:, :20], linen[:, 20:]], 1), rtol=1e-4, atol=1e-6)
+    else:
+        assert np.array_equal(shown[:, :20], velvet[:, :20]) and np.array_equal(shown[:, 20:], linen[:, 20:])
     assert np.abs(velvet - linen)[..., :3].max() > 0.05
     if method == "direct":
         masked = {"fabrics": {"#00f": "velvet"}, "fabric_masks": {"board": mask}}
@@ -256,6 +259,17 @@ def test_each_place_of_a_mask_casts_the_shadow_of_its_fabric(renderer, tmp_path)
     left = shown[21:23, 6:10] / bare[21:23, 6:10]
     right = shown[21:23, 14:18] / bare[21:23, 14:18]
     assert 0.3 < left.min() and left.max() < 0.9 and right.max() < 0.05
+    # Paths show the same, and a ray picks the same.
+    traced = look | {"shadows": "full", "method": "path", "spp": 8}
+    shown = renderer.render(**traced, **cloths, fabrics=fabrics, fabric_mask=mask)[..., 1]
+    assert [renderer.pick(x, 0.5) for x in (0.4, 0.6)] == [left_side, right_side]
+    assert [renderer.pick(x, 0.02)[::2] for x in (0.4, 0.6)] == [(0, 1), (1, 2)], "beside it the lower one is picked"
+    np.testing.assert_allclose(np.median(shown[21:23, 6:10] / bare[21:23, 6:10]), np.median(left), rtol=0.02)
+    assert shown[21:23, 14:18].max() < 0.02
+    # A place that is cut out is looked through.
+    cut = {"opacities": {"board": texture(tmp_path, np.repeat([[0.0, 1.0]], 2, 0), "cut.exr")}}
+    renderer.render(**traced, mesh=high, fabric="linen", **cut, objects=("sphere",))
+    assert renderer.pick(0.4, 0.5) is None and renderer.pick(0.6, 0.5).names == ()
 
 
 # -- from files and options ----------------------------------------------------------------------------------------------
@@ -310,7 +324,6 @@ def test_fabric_masks_from_options_and_files(renderer, tmp_path, capsys):
         ({"fabrics": {"#00ff00": "velvet"}}, "no place of the fabric mask has the colour #00ff00"),
         ({"fabric_mask": None}, "#FF0000 is a colour of a fabric mask, and there is none"),
         ({"fabrics": {"#12345": "velvet"}}, "expected a colour such as #ff0000"),
-        ({"method": "path", "shadows": "full"}, "fabric masks are not for it"),
         ({"mesh": Mesh.from_arrays(board().positions, board().triangles, name="bare")}, "mesh bare has no UVs"),
     ):
         with pytest.raises(InputError, match=said):
