@@ -174,7 +174,9 @@ def _uv_at(mesh: Mesh, triangle: int, at: np.ndarray) -> np.ndarray:
     assert mesh.uv is not None
     a, b, c = np.asarray(mesh.positions, float)[mesh.triangles[triangle]]
     weights = np.linalg.lstsq(np.stack([b - a, c - a], 1), at - a, rcond=None)[0]
-    return np.array([1.0 - weights.sum(), *weights]) @ np.nan_to_num(np.asarray(mesh.uv, float))[mesh.triangles[triangle]]
+    return (
+        np.array([1.0 - weights.sum(), *weights]) @ np.nan_to_num(np.asarray(mesh.uv, float))[mesh.triangles[triangle]]
+    )
 
 
 class PathPictures:
