@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import ConfigDict, Field, field_validator, model_serializer, model_validator
 
 from . import __version__
-from .color import Transform, hex_codes, srgb_decode
+from .color import Transform, is_hex, srgb_decode, whole_hex
 from .errors import InputError, short
 from .fabric import Fabric
 from .fields import Value, about, entries
@@ -477,10 +477,8 @@ class Scene(Value):
     @field_validator("fabrics", mode="after")
     @classmethod
     def _colors(cls, value):
-        for name in value:
-            if name.startswith("#"):
-                hex_codes(name)
-        return value
+        # Colours of a mask in one spelling; the last one given counts.
+        return {whole_hex(name) if is_hex(name) else name: one for name, one in value.items()}
 
     @field_validator("print", "opacity", "fabric_mask", mode="before")
     @classmethod

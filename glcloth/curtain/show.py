@@ -228,15 +228,18 @@ class CurtainShow:
         pieces = s.first_of(BEHIND) // s.triangle_counts[0] if s.has_behind else len(s.pieces)
         return HangingGrid(len(self.room.positions), s.columns - 1, spacing, low, high, s.triangle_counts[0], pieces)
 
-    def picture(self) -> np.ndarray:
-        """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first."""
+    def picture(self, parted: bool = False) -> np.ndarray:
+        """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first.
+
+        parted : keep kinds of light apart, which `tracer.parts` then has; not by method path
+        """
         if self.scene.method == "path":
             if self.scene.denoise:
                 check_denoiser()
             sums = self.path_sums()
             return (denoised(sums) if self.scene.denoise else sums.picture)[..., :3]
         self.build()
-        return self.tracer.trace(self.lit(self.shot()))
+        return self.tracer.trace(dataclasses.replace(self.lit(self.shot()), parted=parted))
 
     @property
     def radiosity(self) -> Radiosity:

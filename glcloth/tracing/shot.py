@@ -69,6 +69,7 @@ class Shot:
     renewed : finds such inputs anew for each sample of the pixels, in steps, the last of which brings them.
     grid : of the cloth; with it the holes of a fabric's weave are seen, and the light that falls through them.
     others : more fabrics, each that of the cloth from a triangle on, in their order; `fabric` is that of the cloth before.
+    parted : keep the kinds of light of the pixels apart, for `Tracer.parts`.
     """
 
     camera: Camera
@@ -84,6 +85,7 @@ class Shot:
     renewed: Callable[[int], Iterator[Mapping[str, Any]]] | None = None
     grid: HangingGrid | None = None
     others: tuple[tuple[int, Fabric], ...] = ()
+    parted: bool = False
 
     def __post_init__(self) -> None:
         for fabric in self.fabrics:

@@ -25,7 +25,7 @@ from .energy import mean_albedo, reflection_limit
 from .fabrics import Fabrics, straight_share
 from .holes import Holes
 from .layers import draw_layers
-from .rays import BLOCK, Picture, Rays, Tile
+from .rays import BLOCK, KINDS, Picture, Rays, Tile
 from .shot import Shot, TraceStatistics
 
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
@@ -44,6 +44,7 @@ class Tracer:
         self.ctx = ctx
         self.statistics = TraceStatistics()
         self.picture = Buffer(ctx, 64)
+        self._parts = Buffer(ctx, 64)
         self._structures: dict[str, Structure] = {}
         self._triangles: Triangles | None = None
         self._materials = TextureBuffer(ctx, 64)
@@ -147,8 +148,10 @@ class Tracer:
         self.statistics = TraceStatistics(build_ms=dict(structure.timings))
         begin = time.perf_counter()
         inputs = self.inputs(shot) | self._way_inputs(shot)
-        picture = Picture(shot, structure, inputs, self.picture, self.statistics)
+        picture = Picture(shot, structure, inputs, self.picture, self.statistics, self._parts if shot.parted else None)
         self.picture.write(bytes(16 * width * height))
+        if shot.parted:
+            self._parts.write(bytes(16 * KINDS * width * height))
         done = 0
         for sample, camera in enumerate(shot.cameras):
             for found in shot.renewed(sample) if shot.renewed else ():
@@ -163,6 +166,16 @@ class Tracer:
                 done += tile.pixels(shot.size)
                 yield done / (width * height * len(shot.samples))
                 begin = time.perf_counter()
+
+    def parts(self, size: tuple[int, int]) -> dict[str, np.ndarray]:
+        """The kinds of light of the last picture, which a shot that is `parted` made: direct, bounce, transmission and
+        background, float32 [H, W, 3] each, as `trace`; their sum is the picture."""
+        width, height = size
+        kinds = np.frombuffer(self._parts.read(16 * KINDS * width * height), np.float32).reshape(
+            height, width, KINDS, 4
+        )
+        names = "direct", "bounce", "transmission", "background"
+        return {name: kinds[:, :, k, :3].copy() for k, name in enumerate(names)}
 
     def _tile_pixels(self) -> int:
         return TILE_PIXELS if self._software else GPU_TILE_PIXELS
@@ -213,8 +226,16 @@ class Tracer:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        things = self.picture, self._materials, self._fabric, self._fabrics, self._environment, self._rays, self._holes
-        for thing in things:
+        for thing in (
+            self.picture,
+            self._parts,
+            self._materials,
+            self._fabric,
+            self._fabrics,
+            self._environment,
+            self._rays,
+            self._holes,
+        ):
             thing.release()
         for structure in self._structures.values():
             structure.release()

@@ -2,7 +2,7 @@
 // Progressive path tracing: some samples of every pixel of a part of the picture, added to sums.   [Kajiya 1986; own]
 // Light is sampled at every vertex (a sun; the lamp; a direction of the sky, weighted by the balance heuristic against those that
 // the surface draws   [Veach 1995]), and paths end by Russian roulette. Defines: SHEER, where cloth lets light through;
-// PICTURES, where there are prints, openings or objects with pictures.
+// PICTURES, where there are prints, openings, fabric masks or objects with pictures.
 // Few samples a dispatch (glcloth/tracing/path.py): loops may end silently after 65,535 iterations.
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
@@ -69,14 +69,21 @@ uniform bool spread;  // what yarns let through is drawn from its lobes, instead
 
 // The share of light that goes straight on.
 vec3 straight_through(Visit visit, vec3 d) {
+#ifdef PICTURES
+    vec2 uv = uv_at(int(visit.triangle), visit.weights);
+    int cloth = cloth_of(int(visit.triangle));
+    cloth += fabric_at(cloth, uv);
+    Sheet sheet = sheet_of(cloth, visit, d);
+#else
     Sheet sheet = sheet_at(visit, d);
+#endif
     vec3 T = T_s_of(sheet);
     if (spread && sheet.number >= 0) {
         vec4 p = texelFetch(sheet_data, 2 * sheet.number);
         T = vec3(p.y * T_open(sheet.omega, p.x));
     }
 #ifdef PICTURES
-    T = mix(vec3(1.0), T, closed_at(cloth_of(int(visit.triangle)), uv_at(int(visit.triangle), visit.weights)));
+    T = mix(vec3(1.0), T, closed_at(cloth, uv));
 #endif
     return T;
 }
@@ -290,10 +297,16 @@ void meet(inout Path path, Visit visit, inout Sample one) {
     if (visit.triangle == GROUND) point = ground_point(path.o, path.d, visit.t);
     else point = point_at(int(visit.triangle), visit.weights, path.d);
     vec3 omega_o = -path.d * point.frame;
+#ifdef PICTURES
+    vec2 uv = vec2(0.0);
+    if (visit.triangle != GROUND) {
+        uv = uv_at(int(visit.triangle), visit.weights);
+        if (point.cloth >= 0) point.cloth += fabric_at(point.cloth, uv);
+    }
+#endif
     Fabric fabric = fetch_fabric(max(point.cloth, 0));
 #ifdef PICTURES
     if (visit.triangle != GROUND) {
-        vec2 uv = uv_at(int(visit.triangle), visit.weights);
         if (point.cloth < 0) {
             point.reflectance *= picture_at(texelFetch(solid_data, int(visit.triangle) - cloth_triangles).w, uv);
         } else {
