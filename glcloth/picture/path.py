@@ -156,7 +156,7 @@ def _cloth_at(frame: Frame, triangle: int, at: np.ndarray) -> Picked | None:
         return None
     uv = None if mesh.uv is None else _uv_at(mesh, triangle, at)
     cloth = pieces[0]
-    if cloth.mask is not None:
+    if cloth.mask is not None and uv is not None:
         of = [piece.mask.number for piece in pieces if piece.mask is not None]
         shown = cloth.mask.number_at(uv)
         place = of.index(shown) if shown in of else 0
