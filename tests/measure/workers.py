@@ -28,9 +28,13 @@ def command(folder, options, *more):
 
 
 def children(pid):
-    """Processes of multiprocessing that a process started."""
-    found = subprocess.run(["pgrep", "-P", str(pid), "-f", "spawn_main"], capture_output=True, text=True).stdout.split()
-    return [int(p) for p in found]
+    """The workers of a process: those that its fork server forked."""
+
+    def below(parent):
+        found = subprocess.run(["pgrep", "-P", str(parent), "-f", "forkserver"], capture_output=True, text=True).stdout
+        return [int(p) for p in found.split()]
+
+    return [worker for server in below(pid) for worker in below(server)]
 
 
 def timed(words, folder, half=None, victims=None):
