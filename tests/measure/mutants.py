@@ -18,44 +18,33 @@ from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-# Room: its files, and the tests that know it.
+# Room: its files, and the tests that know it beside those of NEAREST.
+TRACER = "tests/pictures/test_tracer.py tests/pictures/test_path.py tests/pictures/test_path_curtain.py"
 ROOMS = {
-    "fibre": (
-        "glsl/core/*.glsl glsl/fibre/*.glsl",
-        "tests/twins/test_twins.py tests/twins/test_truth.py",
-    ),
-    "gaussians": (
-        "glsl/sg/*.glsl",
-        "tests/twins/test_twins.py tests/twins/test_sg_truth.py",
-    ),
+    "fibre": ("glsl/core/*.glsl glsl/fibre/*.glsl", "tests/twins/test_truth.py"),
+    "gaussians": ("glsl/sg/*.glsl", "tests/twins/test_sg_truth.py tests/pictures/test_paper_method.py"),
     "direct": (
         "glsl/direct/*.glsl glsl/inputs/methods/direct*.glsl glcloth/methods/direct/*.py",
-        "tests/twins/test_twins.py tests/pictures/test_direct.py",
+        "tests/pictures/test_parts.py tests/pictures/test_direct.py",
     ),
-    "woven": (
-        "glsl/woven/*.glsl",
-        "tests/twins/test_twins.py tests/twins/test_woven.py",
-    ),
+    "woven": ("glsl/woven/*.glsl", "tests/twins/test_woven.py"),
     "accel": (
         "glsl/trace/*.glsl glsl/inputs/accel/*.glsl glsl/passes/accel/*.comp",
-        "tests/twins/test_twins.py tests/structures/test_accel.py tests/structures/test_structures.py "
-        "tests/pictures/test_tracer.py",
+        "tests/structures/test_accel.py tests/structures/test_structures.py tests/pictures/test_photons.py "
+        "tests/structures/test_races.py tests/pictures/test_tracer.py",
     ),
     "tracing": (
         "glsl/passes/tracing/*.comp glsl/inputs/tracing/*.glsl glcloth/tracing/*.py",
-        "tests/pictures/test_tracer.py tests/pictures/test_path.py tests/pictures/test_curtain_views.py",
+        f"{TRACER} tests/pictures/test_curtain_views.py tests/structures/test_races.py tests/structures/test_counts.py",
     ),
     "simulation": (
         "glsl/simulate/*.glsl glsl/passes/simulation/*.comp glcloth/simulation/cloth.py",
-        "tests/twins/test_twins.py tests/structures/test_simulation.py tests/structures/test_curtain_cloth.py",
+        "tests/structures/test_simulation.py tests/structures/test_curtain_cloth.py",
     ),
-    "images": (
-        "glcloth/image.py glcloth/color.py glcloth/metrics.py",
-        "tests/values/test_image.py",
-    ),
+    "images": ("glcloth/image.py glcloth/color.py glcloth/metrics.py", "tests/values/test_image.py"),
     "cameras": (
         "glcloth/geometry/camera.py glcloth/picture/sequence.py",
-        "tests/pictures/test_planted.py tests/pictures/test_pictures.py",
+        "tests/values/test_camera.py tests/pictures/test_planted.py tests/pictures/test_pictures.py",
     ),
     "light": (
         "glcloth/light/equirect.py glcloth/light/suns.py glcloth/light/harmonics.py glcloth/light/fit.py "
@@ -65,9 +54,26 @@ ROOMS = {
     ),
     "visibility": (
         "glsl/passes/visibility/*.comp glsl/inputs/visibility/*.glsl glcloth/visibility/*.py",
-        "tests/pictures/test_planted.py tests/pictures/test_shadows.py tests/pictures/test_solids.py",
+        "tests/pictures/test_planted.py tests/pictures/test_shadows.py tests/pictures/test_solids.py "
+        "tests/pictures/test_through.py tests/pictures/test_reference_shadows.py",
     ),
 }
+# The tests that are nearest to a file (a pattern of its name), tried before all of its room.
+NEAREST = {
+    "glsl/inputs/methods/direct|glsl/direct/": "tests/pictures/test_check.py",
+    "glcloth/methods/direct/": "tests/pictures/test_check.py tests/pictures/test_planted.py",
+    "passes/tracing/(path|picture)|tracing/(path|sky|energy)": "tests/pictures/test_path.py",
+    "tracing/(denoise|holes|path_)": "tests/pictures/test_path_curtain.py tests/pictures/test_traced_holes.py",
+    "passes/tracing/|glcloth/tracing/|inputs/tracing/": "tests/pictures/test_check.py",
+    "tracing/(layers|plain|tree_view)": "tests/pictures/test_curtain_views.py",
+    "tracing/(indirect|local_light)": "tests/pictures/test_radiosity.py tests/pictures/test_photons.py",
+    "(sheer|sheet|behind|straight)": "tests/pictures/test_through.py",
+    "visibility/(sun|finer|coarse)": "tests/pictures/test_soft_suns.py",
+    "visibility/(bounce|furnace|hit|lit|irradiance|reflectance|ground)": "tests/pictures/test_solids.py",
+    "visibility/": "tests/pictures/test_check.py",
+    "geometry/camera": "tests/values/test_camera.py",
+    "picture/sequence": "tests/doors/test_farm.py tests/doors/test_doors.py::test_animate_follows_poses_from_files_and_resumes",
+}  # fmt: skip
 # What is found, and what stands there instead.
 OPERATORS = [
     (r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" < ", " > "), (r" > ", " < "), (r" <= ", " < "), (r" >= ", " > "),
@@ -113,10 +119,13 @@ def chosen(room, each, seed):
 
 
 def selections(file, room):
-    """Arguments of pytest, the quickest tests first: a library's twins, and then all tests of the room."""
-    if file.startswith("glsl/"):
+    """Arguments of pytest, the nearest tests first: a library's twins, those of NEAREST, and then all of the room."""
+    if file.startswith("glsl/") and len(file.split("/")) == 3:
         yield ["tests/twins/test_twins.py", "-k", file.removeprefix("glsl/").split(".")[0]]
-    yield ["-m", "not slow", *ROOMS[room][1].split()]
+    nearest = [test for pattern, tests in NEAREST.items() if re.search(pattern, file) for test in tests.split()]
+    if nearest:
+        yield ["-m", "not slow", *nearest]
+    yield ["-m", "not slow", *(test for test in ROOMS[room][1].split() if test not in nearest)]
 
 
 def tried(folder, room, change, seconds):
@@ -131,13 +140,15 @@ def tried(folder, room, change, seconds):
     result, by = "survived", ""
     for which in selections(file, room):
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *which]
-        env = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+        env = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1", "LP_NUM_THREADS": "1"}
         try:
             done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, timeout=seconds)
         except subprocess.TimeoutExpired:
             result, by = "undecided", "took too long"  # for the machine was busy, or for the fault
             break
-        if done.returncode not in (0, 5):  # 5: no such test
+        if done.returncode == 4:
+            raise SystemExit(f"these tests do not exist any more: {which}")
+        if done.returncode not in (0, 5):  # 5: none of that name
             failed = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.M)
             result, by = "caught", failed[1] if failed else f"exit code {done.returncode}"
             break
