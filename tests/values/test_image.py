@@ -194,6 +194,12 @@ def test_png_of_16_bits_and_grey_and_palette(tmp_path):
     png = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 1, 16, 2, 0, 0, 0))
     (tmp_path / "a.png").write_bytes(png + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
     assert np.allclose(read_image(tmp_path / "a.png")[0, :, 1], srgb_decode(values[0] / 65535), rtol=1e-5, atol=1e-7)
+    grey = b"\x00" + np.stack([values[0], [65535, 32768, 65535, 0]], -1).astype(">u2").tobytes()  # with alpha
+    png = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 1, 16, 4, 0, 0, 0))
+    (tmp_path / "g.png").write_bytes(png + chunk(b"IDAT", zlib.compress(grey)) + chunk(b"IEND", b""))
+    g, light = read_image(tmp_path / "g.png")[0], srgb_decode(values[0] / 65535)
+    assert g.shape == (4, 4) and np.allclose(g[:, 3], [1, 32768 / 65535, 1, 0]) and np.ptp(g[:, :3], axis=1).max() == 0
+    assert np.allclose(g[:, 1], light * g[:, 3], rtol=1e-4, atol=1e-7)
     for mode, channels in (("L", 3), ("LA", 4), ("P", 3), ("1", 3), ("RGBA", 4)):
         Image.new(mode, (3, 2)).save(tmp_path / "m.png")
         assert read_image(tmp_path / "m.png").shape == (2, 3, channels), mode
