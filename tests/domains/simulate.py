@@ -79,7 +79,15 @@ def points_of_ellipsoids(rng, count):
     return {"p": p, "center": center}
 
 
-JOINT = {"d_ellipsoid": points_of_ellipsoids}
+def particles(rng, count):
+    """Two particles; a tenth lie in one place."""
+    p = rng.normal(size=(count, 3))
+    other = rng.normal(size=(count, 3))
+    other[::10] = p[::10]
+    return {"p_0": p, "p_1": other}
+
+
+JOINT = {"d_ellipsoid": points_of_ellipsoids, "part": particles}
 SPECIAL = {("d_sphere", "radius"): between(0.05, 1.0)}
 TOLERANCE = {
     # One part in 6e-8 of the phase, which reaches a thousand radians.

@@ -296,5 +296,11 @@ def test_view_transforms_agree_with_their_publications():
     assert view(grey, "filmic")[0] == pytest.approx(float(srgb_encode(f(0.36) / f(11.2))), abs=1e-12)
     # Khronos: a base colour between 0.08 and 0.8 loses exactly F_90 = 0.04.
     assert np.allclose(view(np.array([0.5, 0.3, 0.2]), "neutral"), srgb_encode(np.array([0.46, 0.26, 0.16])))
+    # Of its text, brighter: (4, 2, 1) less 0.04 has the peak 3.96, which becomes 1 - 0.24^2 / (3.96 + 0.24 - 0.76), and runs to
+    # white by 1 - 1 / (0.15 * (3.96 - that) + 1).
+    peak = 1 - 0.24**2 / 3.44
+    g = 1 - 1 / (0.15 * (3.96 - peak) + 1)
+    shown = np.array([3.96, 1.96, 0.96]) * peak / 3.96 * (1 - g) + peak * g
+    assert np.allclose(view(np.array([4.0, 2.0, 1.0]), "neutral"), srgb_encode(shown))
     # AgX keeps middle grey near the middle of the display range.
     assert 0.40 < view(grey, "agx")[0] < 0.55
