@@ -28,7 +28,7 @@ from .settings import Settings
 CHUNK = 256
 TRACED_CHUNK = 16  # their rays have loops too, through eight sheets of cloth at most: together below 65,535 rounds
 LIT_CHUNK = 2  # directions that light the vertices at a time: a caller in between waits for no more
-SUN_POINTS = 64  # directions of a sun's disc, where it casts shadows
+SUN_POINTS = 64  # directions of a sun's disc
 BOUNCE_CUBE = 16  # edge of the cube map that lights the vertices for a bounce: irradiance is smooth
 
 
@@ -132,7 +132,7 @@ class Reference(Method):
         self._cube_from_world = np.asarray(settings.rotation).T if turned else np.eye(3)
         self._light = settings.light, source, rotation, min(settings.cube, BOUNCE_CUBE)
         self._bounce_light = partial(self._directions, lights, settings, min(settings.cube, BOUNCE_CUBE))
-        points = SUN_POINTS if self.traced and settings.light != "map" else 1
+        points = SUN_POINTS if settings.light != "map" and np.any(lights.suns.radius) else 1
         # About four directions are within it.
         self._mirror_sharpness = 6 * settings.cube**2 / 8
         self._sun_directions = 0 if settings.light == "map" else points * len(lights.suns)

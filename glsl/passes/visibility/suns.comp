@@ -51,14 +51,14 @@ void main() {
     if (N.w == 0.0) return;
     vec3 x = origin_at(pixel);
     if (own_levels > 0) x = origin_finer(pixel, texelFetch(frame_x, pixel, 0).w);
-    // Below the horizon there is no light to hide.
+    // Below the horizon there is no light to hide; of a disc that it cuts the part above counts.
 #ifdef FIRST
     vec4 four = vec4(0.0);
     int s = 0;
     do {
         vec4 sun = texelFetch(sun_data, s);
         float V = 0.0;
-        if (dot(sun.xyz, N.xyz) > 0.0) V = seen_of(x, first_point(pixel, sun));
+        if (dot(sun.xyz, N.xyz) > -sun.w) V = seen_of(x, first_point(pixel, sun));
         if ((s & 3) == 0) four = vec4(0.0);
         four += V * vec4(equal(ivec4(s & 3), ivec4(0, 1, 2, 3)));
         // Store whole texels, and the last one as it is.
@@ -67,11 +67,18 @@ void main() {
 #else
     vec4 sun = texelFetch(sun_data, sun_number);
     float V = texelFetch(first_seen, ivec3(pixel, sun_number >> 2), 0)[sun_number & 3];
-    if (dot(sun.xyz, N.xyz) > 0.0 && sun.w > 0.0 && !agreed(pixel, V)) {
+    float height = dot(sun.xyz, N.xyz);
+    if (height > -sun.w && sun.w > 0.0 && (height < sun.w || !agreed(pixel, V))) {
         V = 0.0;
+        float above = 0.0;
         int n = 0;
-        do V += seen_of(x, point_of(pixel, sun, n)); while (++n < points_of(sun));
-        V /= float(points_of(sun));
+        do {
+            vec3 point = point_of(pixel, sun, n);
+            float counts = dot(point, N.xyz) > 0.0 ? 1.0 : 0.0;
+            V += counts * seen_of(x, point);
+            above += counts;
+        } while (++n < points_of(sun));
+        V /= max(above, 1.0);
     }
     ivec3 at = ivec3(pixel, first_layer + (sun_number >> 2));
     vec4 four = (sun_number & 3) == 0 ? vec4(0.0) : imageLoad(seen, at);
