@@ -311,9 +311,10 @@ def _entries(lights: Lights, schedule: plan.Schedule, lobes, pooled: np.ndarray,
         for level, share in plan.levels(schedule, gaussians.sharpness[k], pooled[k], lobes):
             radiance = gaussians.amplitude[k] * (1.0 - broad[k]) * share
             entries.append(Entry(gaussians.axis[k], radiance, sharpness, pooled[k], level, 1 + k))
+    radius = np.asarray(suns.radius)
     for s in range(len(suns)):
         # A disc varies as the Gaussian of this sharpness: so much wider are highlights, and so the horizon cuts it.
-        sharpness = min(4.0 / max(float(suns.radius[s]), 1e-6) ** 2, SUN)
+        sharpness = min(4.0 / max(float(radius[s]), 1e-6) ** 2, SUN)
         radiance = suns.irradiance[s] * sharpness / (2.0 * np.pi)
         entries.append(Entry(suns.direction[s], radiance, sharpness, 0.0, 0, sun_number(len(gaussians)) + s))
     # Pixels side by side spend as many nodes when the long rules come first.
