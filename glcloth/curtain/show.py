@@ -11,11 +11,15 @@ import moderngl
 import numpy as np
 
 from ..accel.triangles import PADDING, Triangles
+from ..color import luminance
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
 from ..geometry.views import view_by_name
-from ..light.environment import Environment, load_environment
+from ..gpu.memo import Last
+from ..light.environment import Environment, load_environment, rotation_y
+from ..light.lights import Suns
+from ..light.suns import split_suns
 from ..progress import track
 from ..scene import CurtainParameters, Scene
 from ..tracing.denoise import check_denoiser, denoised
@@ -114,6 +118,7 @@ class CurtainShow:
         self._radiosity: Radiosity | None = None
         self._paths: CurtainPaths | None = None
         self._photons: PhotonMap | None = None
+        self._suns: Last[Suns] = Last()
         self._lit_frame = -1  # whose photons are there
         self.tracer = Tracer(ctx)
         self.tracer.set_scene(self.triangles, self.materials)
@@ -212,13 +217,26 @@ class CurtainShow:
             (self.fabric, self.behind) if other is None else (_fabric_of(other), _behind_of(other) or self.behind)
         )
         settings = TraceSettings(s.depth, min(s.spp, MOST_SPP), s.spread, s.cutoff, s.accelerator)
-        lighting = Lighting(Lamp(s.lamp_position, s.lamp_intensity), s.ambient)
+        lighting = Lighting(self._lamp(s), s.ambient)
         others = ()
         if behind is not None and self.simulation.has_behind:
             others = ((len(self.room.positions) + self.simulation.first_of(BEHIND), behind),)
         return Shot(
             camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate, grid=self._grid(), others=others
         )  # fmt: skip
+
+    def _lamp(self, scene: Scene) -> Lamp:
+        """What shines in: the scene's lamp, or the brightest sun of the map."""
+        if scene.sun == "lamp":
+            return Lamp(scene.lamp_position, scene.lamp_intensity)
+        suns = self._suns.get(lambda: split_suns(self.environment.radiance)[0], self.environment)
+        turned = suns.rotated(rotation_y(scene.env_rotate))
+        bright = luminance(turned.irradiance) * (turned.direction[:, 2] < 0.0)
+        if not bright.max(initial=0.0) > 0.0:
+            return Lamp((0.0, 0.0, -1.0), (0.0, 0.0, 0.0))
+        brightest = int(bright.argmax())
+        radius = np.broadcast_to(turned.radius, len(turned))[brightest]
+        return Lamp.of_sun(turned.direction[brightest], turned.irradiance[brightest], float(radius))
 
     def _grid(self) -> HangingGrid:
         """How the curtain lies on its weave, and about where it hangs."""

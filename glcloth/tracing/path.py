@@ -313,5 +313,7 @@ class PathTracer:
 
 def _lamp_inputs(lamp: Lamp | None) -> dict[str, Any]:
     if lamp is None:
-        return {"lamp": (0.0, 0.0, 0.0), "intensity": (0.0, 0.0, 0.0), "has_lamp": False}
-    return {"lamp": lamp.position, "intensity": lamp.intensity, "has_lamp": True}
+        none = (0.0, 0.0, 0.0)
+        return {"lamp": none, "intensity": none, "has_lamp": False, "lamp_x": none, "lamp_y": none}
+    x, y = (tuple(map(float, axis)) for axis in lamp.axes)
+    return {"lamp": lamp.position, "intensity": lamp.intensity, "has_lamp": True, "lamp_x": x, "lamp_y": y}

@@ -149,11 +149,14 @@ class Tracer:
         inputs = self.inputs(shot) | self._way_inputs(shot)
         picture = Picture(shot, structure, inputs, self.picture, self.statistics)
         self.picture.write(bytes(16 * width * height))
-        done = 0
+        done, lamp = 0, shot.lighting.lamp
+        lamps = lamp.points(len(shot.samples))
         for sample, camera in enumerate(shot.cameras):
             for found in shot.renewed(sample) if shot.renewed else ():
                 inputs.update(found)
                 yield done / (width * height * len(shot.samples))
+            if lamp.radius:
+                inputs.update(lamp=tuple(map(float, lamps[sample])))
             inputs.update(
                 origin_from_pixel=camera.origin_from_pixel(shot.size), ray_from_pixel=camera.ray_from_pixel(shot.size)
             )

@@ -31,7 +31,9 @@ uniform vec3 lens_y;
 uniform float focus;                // along the view
 uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, tangent of its radius)
 uniform int drawn_suns;
-uniform vec3 lamp;                  // where it is; it has no size
+uniform vec3 lamp;                  // where it is; no ray meets it
+uniform vec3 lamp_x;                // half axes of its disc
+uniform vec3 lamp_y;
 uniform vec3 intensity;             // W/sr
 uniform bool has_lamp;
 
@@ -157,7 +159,9 @@ vec3 lit(Point point, Fabric fabric, vec3 omega_o, vec2 chances, int kind, Path 
     vec3 d, light;
     float pdf_sky = 0.0, pdf, reach = 3e38;
     if (kind == LAMP) {
-        vec3 way = lamp - (dot(lamp - point.origin, point.N_g) < 0.0 ? point.behind : point.origin);
+        float turn = 2.0 * PI * place.y;
+        vec3 end = lamp + sqrt(place.x) * (cos(turn) * lamp_x + sin(turn) * lamp_y);
+        vec3 way = end - (dot(end - point.origin, point.N_g) < 0.0 ? point.behind : point.origin);
         reach = max(length(way), 1e-6);
         d = way / reach;
         light = intensity / (reach * reach);
