@@ -40,8 +40,8 @@ def test_it_is_shown_while_it_goes_on_and_begins_again(ctx, renderer, monkeypatc
     finish(refiner)
     np.testing.assert_array_equal(drawn(refiner)[..., :3], np.asarray(renderer.render_frame(other))[..., :3])
     # What it cannot show is shown by direct.
-    catcher = renderer.prepare(**{**look, "ground": "catcher"})
-    refiner.show([catcher])
+    flat = renderer.prepare(**{**look, "shadows": "off"})
+    refiner.show([flat])
     finish(refiner)
     assert refiner.sides[0].share == 1.0 and not refiner._samples
     refiner.release()

@@ -128,8 +128,8 @@ def test_a_sun_is_a_disc_far_away(tracer):
 
 
 def test_the_brightest_sun_of_the_map_that_shines_in(renderer):
-    radiance = np.full((64, 128, 3), 0.1, np.float32)
-    radiance[20:22, 30:32] = [900.0, 800.0, 700.0]
+    radiance = np.full((256, 512, 3), 0.1, np.float32)
+    radiance[80:83, 120:123] = [900.0, 800.0, 700.0]
     map_ = Environment.from_array(radiance, name="one sun")
     one = split_suns(radiance)[0]
     (sun,) = one.direction
