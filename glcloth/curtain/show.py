@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -104,23 +105,33 @@ class CurtainShow:
             if triangles - len(self.room.positions) != parameters.triangle_count:
                 parameters = parameters.with_triangles(triangles - len(self.room.positions))
         parameters = _with_openness(parameters, self.fabric)
-        self.simulation = Curtains(ctx, parameters, settle, _openness(self.behind))
         self.frame = 0
-        room = len(self.room.positions)
-        cloth = sum(self.simulation.triangle_counts)
-        reach = max(
-            float(np.abs(self.room.positions).max(initial=0.0)), parameters.width, parameters.top + parameters.drop
-        )
-        self.triangles = Triangles(ctx, room + cloth, max(reach, camera_of(scene).reach))
-        self.triangles.set(0, self.room.positions, material=self.room.material + CLOTH + 1)
         self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
-        self._hung = Triangles(ctx, cloth, self.triangles.padding / PADDING)
         self._radiosity: Radiosity | None = None
         self._paths: CurtainPaths | None = None
         self._photons: PhotonMap | None = None
         self._suns: Last[Suns] = Last()
         self._lit_frame = -1  # whose photons are there
+        with ExitStack() as made:  # what was made is freed where the rest cannot be
+            self._hang(parameters, settle, made)
+            made.pop_all()
+
+    def _hang(self, parameters: CurtainParameters, settle: bool, made: ExitStack) -> None:
+        """Hang the curtains in the room; `made` gets what must be freed."""
+        ctx, room = self.ctx, len(self.room.positions)
+        self.simulation = Curtains(ctx, parameters, settle, _openness(self.behind))
+        made.callback(self.simulation.release)
+        cloth = sum(self.simulation.triangle_counts)
+        reach = max(
+            float(np.abs(self.room.positions).max(initial=0.0)), parameters.width, parameters.top + parameters.drop
+        )
+        self.triangles = Triangles(ctx, room + cloth, max(reach, camera_of(self.scene).reach))
+        made.callback(self.triangles.release)
+        self.triangles.set(0, self.room.positions, material=self.room.material + CLOTH + 1)
+        self._hung = Triangles(ctx, cloth, self.triangles.padding / PADDING)
+        made.callback(self._hung.release)
         self.tracer = Tracer(ctx)
+        made.callback(self.tracer.release)
         self.tracer.set_scene(self.triangles, self.materials)
         self.moved()
 

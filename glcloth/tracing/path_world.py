@@ -38,7 +38,7 @@ class Painted(NamedTuple):
 
 
 class Catcher(NamedTuple):
-    """Where the shadow on a ground is seen that shows nothing else: x and z of a middle, and from which distance of it on to which
+    """Where the shadow on a ground is seen that shows nothing else: x and z of a middle, and from which distance on to which
     one it fades out, m."""
 
     middle: tuple[float, float]

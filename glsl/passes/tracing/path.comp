@@ -99,12 +99,19 @@ vec3 light_left(vec3 o, vec3 d, float reach) {
     traverse(ray, visit);
     vec3 T = vec3(visit.t > 0.0 ? 1.0 : 0.0);
     int n = visit.t > 0.0 ? visit.layers : 0;
+    vec4 latest_t = vec4(-1.0), earlier_t = vec4(-1.0);
     while (n-- > 0 && worth(T)) {
         int t = int(visit.latest.x);
         vec4 hit = meet_triangle(ray, corner_of(t, 0), corner_of(t, 1), corner_of(t, 2));
         visit.triangle = uint(t);
         visit.weights = hit.yz;
-        T *= straight_through(visit, d);
+        // Two hits within a hair, as on an edge that two triangles share, are one layer.
+        float hair = 1e-5 * (1.0 + hit.x);
+        bool known = any(lessThan(abs(latest_t - hit.x), vec4(hair))) || any(lessThan(abs(earlier_t - hit.x), vec4(hair)));
+        vec3 straight = straight_through(visit, d);
+        T *= known ? vec3(1.0) : straight;
+        earlier_t = vec4(latest_t.w, earlier_t.xyz);
+        latest_t = vec4(hit.x, latest_t.xyz);
         visit.latest = uvec4(visit.latest.yzw, visit.earlier.x);
         visit.earlier.xyz = visit.earlier.yzw;
     }
