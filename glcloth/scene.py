@@ -404,6 +404,9 @@ class Scene(Value):
     spread: bool = curtain(
         "", "blur what is seen through the yarns; needs many samples per pixel", default=False)
     cutoff: float = curtain("", "share of the light below which a ray ends", default=1e-3, ge=0, lt=1, option=False)
+    sun: Literal["lamp", "map"] = curtain(
+        "", "what shines in: the lamp, or the brightest sun of the environment, a disc far away; where no sun of the map does, "
+        "the sky alone", default="lamp")
     lamp_position: Vec3 = curtain(
         "m", "the lamp outside the window, x y z; +y up, the window at z = 0", default=(1.6, 3.6, -5.0), slider=(-12.0, 12.0),
         option=False)

@@ -57,6 +57,7 @@ class SceneOptions:
     photons: Annotated[int | None, Parameter(help="Photons that begin for each sample of the pixels (gi photons) (1000 to 2e+06; curtain).")] = None
     photon_neighbours: Annotated[int | None, Parameter(help="Nearest photons of an estimate in the first sample; later ones take fewer (gi photons) (8 to 2000; curtain).")] = None
     spread: Annotated[bool | None, Parameter(help="Blur what is seen through the yarns; needs many samples per pixel (curtain).")] = None
+    sun: Annotated[str | None, Parameter(help="What shines in: the lamp, or the brightest sun of the environment, a disc far away; where no sun of the map does, the sky alone (lamp or map; curtain).")] = None
     view: Annotated[str | None, Parameter(help="Framed by the size of the cloth: front, three-quarter, side, back, close; or a camera of the mesh's .glb or .gltf file by its name, or file for its only one.")] = None
     eye: Annotated[str | None, Parameter(help="Where the camera is, X,Y,Z (m).")] = None
     target: Annotated[str | None, Parameter(help="What it looks at, X,Y,Z (m).")] = None

@@ -23,6 +23,7 @@ PATHS = 8192  # from each side
 BINS = (12, 8)  # of directions, by their x and y: evenly spread over the disc they are distributed as their cosine
 RAYS = 128  # for each of them
 MARGIN = 0.2  # m, of the sheet's rim that paths keep away from
+NEAR = 50.0  # m
 STEEPEST = 0.12  # cosine of the flattest way through the sheet
 
 
@@ -101,7 +102,8 @@ class HangingCloth:
         inputs : of inputs/tracing/local_light.glsl. chosen : [C] triangles, evenly spread, where the lamp's light is measured
         """
         positions = self.triangles.positions()
-        reach = 4.0 * (float(np.abs(positions).max()) + float(np.abs(inputs["lamp"]).max()))
+        # From further away hits would lose digits.
+        reach = 4.0 * (float(np.abs(positions).max()) + min(float(np.abs(inputs["lamp"]).max()), NEAR))
         inputs = {
             **inputs, "corner_data": self.triangles.corners, "attribute_data": self.triangles.attributes, "beyond": reach,
             "offset": 8 * self.triangles.padding,

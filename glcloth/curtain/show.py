@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,15 @@ import moderngl
 import numpy as np
 
 from ..accel.triangles import PADDING, Triangles
+from ..color import luminance
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
 from ..geometry.views import view_by_name
-from ..light.environment import Environment, load_environment
+from ..gpu.memo import Last
+from ..light.environment import Environment, load_environment, rotation_y
+from ..light.lights import Suns
+from ..light.suns import split_suns
 from ..progress import track
 from ..scene import CurtainParameters, Scene
 from ..tracing.denoise import check_denoiser, denoised
@@ -100,22 +105,33 @@ class CurtainShow:
             if triangles - len(self.room.positions) != parameters.triangle_count:
                 parameters = parameters.with_triangles(triangles - len(self.room.positions))
         parameters = _with_openness(parameters, self.fabric)
-        self.simulation = Curtains(ctx, parameters, settle, _openness(self.behind))
         self.frame = 0
-        room = len(self.room.positions)
+        self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
+        self._radiosity: Radiosity | None = None
+        self._paths: CurtainPaths | None = None
+        self._photons: PhotonMap | None = None
+        self._suns: Last[Suns] = Last()
+        self._lit_frame = -1  # whose photons are there
+        with ExitStack() as made:  # what was made is freed where the rest cannot be
+            self._hang(parameters, settle, made)
+            made.pop_all()
+
+    def _hang(self, parameters: CurtainParameters, settle: bool, made: ExitStack) -> None:
+        """Hang the curtains in the room; `made` gets what must be freed."""
+        ctx, room = self.ctx, len(self.room.positions)
+        self.simulation = Curtains(ctx, parameters, settle, _openness(self.behind))
+        made.callback(self.simulation.release)
         cloth = sum(self.simulation.triangle_counts)
         reach = max(
             float(np.abs(self.room.positions).max(initial=0.0)), parameters.width, parameters.top + parameters.drop
         )
-        self.triangles = Triangles(ctx, room + cloth, max(reach, camera_of(scene).reach))
+        self.triangles = Triangles(ctx, room + cloth, max(reach, camera_of(self.scene).reach))
+        made.callback(self.triangles.release)
         self.triangles.set(0, self.room.positions, material=self.room.material + CLOTH + 1)
-        self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
         self._hung = Triangles(ctx, cloth, self.triangles.padding / PADDING)
-        self._radiosity: Radiosity | None = None
-        self._paths: CurtainPaths | None = None
-        self._photons: PhotonMap | None = None
-        self._lit_frame = -1  # whose photons are there
+        made.callback(self._hung.release)
         self.tracer = Tracer(ctx)
+        made.callback(self.tracer.release)
         self.tracer.set_scene(self.triangles, self.materials)
         self.moved()
 
@@ -212,13 +228,26 @@ class CurtainShow:
             (self.fabric, self.behind) if other is None else (_fabric_of(other), _behind_of(other) or self.behind)
         )
         settings = TraceSettings(s.depth, min(s.spp, MOST_SPP), s.spread, s.cutoff, s.accelerator)
-        lighting = Lighting(Lamp(s.lamp_position, s.lamp_intensity), s.ambient)
+        lighting = Lighting(self._lamp(s), s.ambient)
         others = ()
         if behind is not None and self.simulation.has_behind:
             others = ((len(self.room.positions) + self.simulation.first_of(BEHIND), behind),)
         return Shot(
             camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate, grid=self._grid(), others=others
         )  # fmt: skip
+
+    def _lamp(self, scene: Scene) -> Lamp:
+        """What shines in: the scene's lamp, or the brightest sun of the map."""
+        if scene.sun == "lamp":
+            return Lamp(scene.lamp_position, scene.lamp_intensity)
+        suns = self._suns.get(lambda: split_suns(self.environment.radiance)[0], self.environment)
+        turned = suns.rotated(rotation_y(scene.env_rotate))
+        bright = luminance(turned.irradiance) * (turned.direction[:, 2] < 0.0)
+        if not bright.max(initial=0.0) > 0.0:
+            return Lamp((0.0, 0.0, -1.0), (0.0, 0.0, 0.0))
+        brightest = int(bright.argmax())
+        radius = np.broadcast_to(turned.radius, len(turned))[brightest]
+        return Lamp.of_sun(turned.direction[brightest], turned.irradiance[brightest], float(radius))
 
     def _grid(self) -> HangingGrid:
         """How the curtain lies on its weave, and about where it hangs."""

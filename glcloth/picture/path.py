@@ -20,13 +20,14 @@ from ..gpu.screen import draw_screen
 from ..light.environment import rotation_y
 from ..tracing.denoise import check_denoiser
 from ..tracing.path import PathSums, PathTracer, PathView, Progress, followed, samples_of
-from ..tracing.path_world import Map, Maps, Mask, Painted, PathWorld
+from ..tracing.path_world import Catcher, Map, Maps, Mask, Painted, PathWorld
 from .cloths import Cloth
 from .frame import Frame
 from .openings import Opacity
 from .pace import Pace
 from .picked import OPEN, Picked
 from .prints import Print, texel_means
+from .solids import FADE
 from .uv_scale import guessed_scale
 
 MOST_OPEN = 64  # places that are cut out, one behind the other, which a look goes through
@@ -46,10 +47,6 @@ def check_path(frame: Frame) -> None:
     objects = frame.objects
     if objects is None:
         return
-    if objects.ground is not None and objects.ground.catcher:
-        raise InputError(
-            "method path: a ground that shows its shadow alone is not for it; give --ground auto, or method direct"
-        )
     for mesh, materials in zip(objects.meshes, objects.materials or ((),) * len(objects.meshes), strict=True):
         if any(material.roughness < 1.0 or material.metalness > 0.0 for material in materials):
             raise InputError(
@@ -81,10 +78,12 @@ def world_of(frame: Frame) -> PathWorld:
         if painted
         else objects.reflectances
     )
-    ground = objects.ground
+    ground, catcher = objects.ground, None
+    if ground is not None and ground.catcher:
+        catcher = Catcher(ground.center, (FADE[0] * ground.scale, FADE[1] * ground.scale))
     return PathWorld(
         cloths, tuple(zip(objects.meshes, reflectances, strict=True)),
-        None if ground is None else (ground.height, ground.color), maps, painted, masks,
+        None if ground is None else (ground.height, ground.color), catcher, maps, painted, masks,
     )  # fmt: skip
 
 

@@ -206,6 +206,7 @@ class PathTracer:
             "size": view.size,
             "most_vertices": view.vertices,
             **_lamp_inputs(view.lamp),
+            **self._catcher_inputs(),
             **({"spread": view.spread} if self._sheer is not None else {}),
             "ray_from_pixel": view.camera.ray_from_pixel(view.size),
             "origin_from_pixel": view.camera.origin_from_pixel(view.size),
@@ -213,6 +214,13 @@ class PathTracer:
             "lens_y": tuple(radius * up),
             "focus": view.camera.focus_distance,
         }
+
+    def _catcher_inputs(self) -> dict[str, Any]:
+        catcher = self._world.catcher
+        if catcher is None:
+            return {}
+        light = max(float(luminance(self.sky.open_irradiance())), 1e-30)
+        return {"catcher_middle": catcher.middle, "catcher_fade": catcher.fade, "open_luminance": light}
 
     def fabric_inputs(self) -> dict[str, Any]:
         """What inputs/tracing/path_fabric.glsl reads of the cloths."""
@@ -233,6 +241,8 @@ class PathTracer:
         defines, virtual, _ = sight(self.structure, self._sheer, "inputs/tracing/sight_either.glsl")
         if self._pictures.any:
             defines = {**defines, "PICTURES": 1}
+        if self._world.catcher is not None:
+            defines = {**defines, "CATCHER": 1}
         virtual["sky.glsl"] = self.sky.source
         if self._sheer is not None:
             virtual["sight.glsl"] = "inputs/tracing/sight_sheer.glsl"
@@ -318,5 +328,7 @@ class PathTracer:
 
 def _lamp_inputs(lamp: Lamp | None) -> dict[str, Any]:
     if lamp is None:
-        return {"lamp": (0.0, 0.0, 0.0), "intensity": (0.0, 0.0, 0.0), "has_lamp": False}
-    return {"lamp": lamp.position, "intensity": lamp.intensity, "has_lamp": True}
+        none = (0.0, 0.0, 0.0)
+        return {"lamp": none, "intensity": none, "has_lamp": False, "lamp_x": none, "lamp_y": none}
+    x, y = (tuple(map(float, axis)) for axis in lamp.axes)
+    return {"lamp": lamp.position, "intensity": lamp.intensity, "has_lamp": True, "lamp_x": x, "lamp_y": y}

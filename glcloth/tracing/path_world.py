@@ -46,6 +46,14 @@ class Painted(NamedTuple):
     picture_of: np.ndarray
 
 
+class Catcher(NamedTuple):
+    """Where the shadow on a ground is seen that shows nothing else: x and z of a middle, and from which distance on to which
+    one it fades out, m."""
+
+    middle: tuple[float, float]
+    fade: tuple[float, float]
+
+
 @dataclass(frozen=True, eq=False)
 class PathWorld:
     """What paths meet.
@@ -55,6 +63,7 @@ class PathWorld:
     cloths : meshes with their fabrics, at least one
     solids : other meshes with what each triangle reflects, [T, 3], all matt
     ground : height and reflectance [3] of a plane without end; None: there is none
+    catcher : of the ground the eye sees its shadow alone; None: the ground itself
     maps : of the cloths; (): none has any
     painted : the objects' pictures; (): none has any
     masks : of the cloths; (): none has any
@@ -63,6 +72,7 @@ class PathWorld:
     cloths: tuple[tuple[Mesh, Fabric], ...]
     solids: tuple[tuple[Mesh, np.ndarray], ...] = ()
     ground: tuple[float, tuple[float, float, float]] | None = None
+    catcher: Catcher | None = None
     maps: tuple[Maps, ...] = ()
     painted: tuple[Painted | None, ...] = ()
     masks: tuple[Mask | None, ...] = ()
@@ -70,7 +80,7 @@ class PathWorld:
     @property
     def key(self) -> tuple:
         """What its buffers are made of."""
-        return self.cloths, self.solids, self.ground, self.maps, self.painted, self.masks
+        return self.cloths, self.solids, self.ground, self.catcher, self.maps, self.painted, self.masks
 
     @property
     def worn(self) -> list[tuple[int, Fabric]]:

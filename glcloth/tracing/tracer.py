@@ -152,11 +152,14 @@ class Tracer:
         self.picture.write(bytes(16 * width * height))
         if shot.parted:
             self._parts.write(bytes(16 * KINDS * width * height))
-        done = 0
+        done, lamp = 0, shot.lighting.lamp
+        lamps = lamp.points(len(shot.samples))
         for sample, camera in enumerate(shot.cameras):
             for found in shot.renewed(sample) if shot.renewed else ():
                 inputs.update(found)
                 yield done / (width * height * len(shot.samples))
+            if lamp.radius:
+                inputs.update(lamp=tuple(map(float, lamps[sample])))
             inputs.update(
                 origin_from_pixel=camera.origin_from_pixel(shot.size), ray_from_pixel=camera.ray_from_pixel(shot.size)
             )

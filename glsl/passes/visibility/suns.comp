@@ -12,7 +12,7 @@ uniform int first_layer;
 #ifdef FIRST
 layout(rgba8) writeonly uniform image2DArray first_image;
 #else
-uniform sampler2DArray first_seen;  // what FIRST found; 0 where there is nothing
+#include "inputs/visibility/agreed.glsl"
 layout(rgba8) uniform image2DArray seen;  // four suns a texel, written one after the other
 #endif
 
@@ -27,22 +27,6 @@ float seen_of(vec3 x, vec3 omega) {
     return visit.t > 0.0 ? 1.0 : 0.0;
 #endif
 }
-
-#ifndef FIRST
-// Whether the pixels about this one found what it found.
-bool agreed(ivec2 pixel, float own) {
-    float low = own, high = own;
-    ivec2 last = textureSize(frame_N, 0) - 1;
-    for (int n = 0; n < 9; ++n) {
-        ivec2 at = clamp(pixel + ivec2(n % 3, n / 3) - 1, ivec2(0), last);
-        if (texelFetch(frame_N, at, 0).w == 0.0) continue;
-        float other = texelFetch(first_seen, ivec3(at, sun_number >> 2), 0)[sun_number & 3];
-        low = min(low, other);
-        high = max(high, other);
-    }
-    return high - low < AGREE;
-}
-#endif
 
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -66,9 +50,11 @@ void main() {
     } while (++s < sun_count);
 #else
     vec4 sun = texelFetch(sun_data, sun_number);
-    float V = texelFetch(first_seen, ivec3(pixel, sun_number >> 2), 0)[sun_number & 3];
+    vec4 own = texelFetch(first_seen, ivec3(pixel, sun_number >> 2), 0);
+    float V = own[sun_number & 3];
     float height = dot(sun.xyz, N.xyz);
-    if (height > -sun.w && sun.w > 0.0 && (height < sun.w || !agreed(pixel, V))) {
+    bool disagreed = height < sun.w || apart(pixel, sun_number >> 2, own)[sun_number & 3] >= AGREE;
+    if (height > -sun.w && sun.w > 0.0 && disagreed) {
         V = 0.0;
         float above = 0.0;
         int n = 0;
