@@ -317,6 +317,9 @@ class Scene(Value):
         "m", "length of a UV unit of the mesh, for the size of threads; 0: measured", default=0.0, ge=0, le=1000)
     mesh: str | tuple[str, ...] = cloth(
         "", "built-in mesh or a file (.obj .ply .glb .gltf .stl .off); repeatable", default="drape", file=True, repeat=True)
+    subdivide: int = cloth(
+        "", "times that each triangle of the cloth is cut into four on a smooth surface (Loop), for coarse meshes", default=0,
+        ge=0, le=4)
     print: PrintMap | None = cloth(
         "", "a picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; "
         "repeatable", default=None, file=True, repeat=True)

@@ -17,6 +17,7 @@ class SceneOptions:
     threads: Annotated[bool | None, Parameter(help="Threads where one comes near, of a fabric with a weave.")] = None
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
     mesh: Annotated[list[str] | None, Parameter(name="--mesh", negative="", help="Built-in mesh or a file (.obj .ply .glb .gltf .stl .off); repeatable.")] = None
+    subdivide: Annotated[int | None, Parameter(help="Times that each triangle of the cloth is cut into four on a smooth surface (Loop), for coarse meshes (0 to 4).")] = None
     print: Annotated[list[str] | None, Parameter(name="--print", negative="", help="A picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; repeatable.")] = None
     opacity: Annotated[list[str] | None, Parameter(name="--opacity", negative="", help="A picture that says where cloth is, over the UVs: black is open; a table in files; PART=FILE for a part alone; repeatable.")] = None
     fabric_mask: Annotated[list[str] | None, Parameter(name="--fabric-mask", negative="", help="A picture whose colours say which fabric a place has, over the UVs, with --fabric '#rrggbb=FABRIC' for each colour; a table in files; PART=FILE for a part alone; repeatable.")] = None

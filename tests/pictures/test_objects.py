@@ -26,6 +26,7 @@ BROAD = SphericalGaussians(
     np.array([6.0, 40.0]),
     np.array([[1.0, 0.9, 0.8], [2.0, 2.5, 3.0]]),
 )
+NARROW = SphericalGaussians(BROAD.axis, np.array([100.0, 200.0]), BROAD.amplitude)
 WHITE = (1.0, 1.0, 1.0)
 CAMERA = Camera((0.0, 0.0, 2.2), (0.0, 0.0, 0.0), fov_deg=32.0)
 
@@ -77,10 +78,20 @@ def test_what_a_rough_surface_gives_back_is_the_integral_of_its_gloss(alpha):
         assert (f * weight).sum() * 2.0 * np.pi / 400 == pytest.approx(found, rel=0.02)
 
 
-@pytest.mark.parametrize(("material", "far"), [((0.5, 0.0), 0.02), ((0.35, 1.0), 0.12)])
-def test_gloss_under_gaussians_is_that_of_a_sum_over_directions(renderer, material, far):
+@pytest.mark.parametrize(
+    ("material", "lights", "far"),
+    [
+        ((0.5, 0.0), BROAD, 0.02),
+        ((0.35, 1.0), BROAD, 0.08),
+        ((0.6, 1.0), BROAD, 0.06),
+        ((0.8, 1.0), BROAD, 0.06),
+        ((0.6, 1.0), NARROW, 0.06),
+        ((1.0, 1.0), NARROW, 0.06),
+    ],
+)
+def test_gloss_under_gaussians_is_that_of_a_sum_over_directions(renderer, material, lights, far):
     objects = ball(Material("m", (0.8, 0.5, 0.3), *material))
-    direct, reference = (picture(renderer, objects, BROAD, method=name, cube=32) for name in ("direct", "reference"))
+    direct, reference = (picture(renderer, objects, lights, method=name, cube=32) for name in ("direct", "reference"))
     seen = direct[..., 3] > 0
     assert seen.sum() > 600
     error = np.abs(direct - reference)[seen][:, :3].mean() / reference[seen][:, :3].mean()
