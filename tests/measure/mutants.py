@@ -88,6 +88,35 @@ OPERATORS = [
 ]  # fmt: skip
 
 
+# One process imports all that the twins' tests want, and tries each change of a library in a fork of itself: a start of pytest
+# costs more than the tests.
+TWINS = """
+import os, resource, sys
+sys.path[:0] = [f"{sys.argv[1]}/tests/twins", f"{sys.argv[1]}/tests"]
+import test_twins
+from glcloth.gpu.context import create_context
+for line in sys.stdin:
+    file, seconds = line.split()
+    child = os.fork()
+    if child == 0:
+        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
+        said = "ok"
+        try:
+            with create_context() as ctx:
+                for case in test_twins.CASES:
+                    if case.values[0] == file:
+                        said = f"tests/twins/test_twins.py::test_twin[{case.id}]"
+                        test_twins.test_twin(ctx, *case.values)
+                        said = "ok"
+        except BaseException:
+            pass
+        print(said, flush=True)
+        os._exit(0)
+    if os.waitpid(child, 0)[1]:
+        print("took more CPU than it may", flush=True)
+"""
+
+
 def places(path):
     """(line, start, end, now) of every change that a file takes: outside comments, strings and docstrings of Python."""
     text = path.read_text(encoding="utf-8")
@@ -127,16 +156,24 @@ def chosen(room, count, seed, known):
 
 
 def selections(file, room):
-    """Arguments of pytest, the nearest tests first: a library's twins, those of NEAREST, and then all of the room."""
-    if file.startswith("glsl/") and len(file.split("/")) == 3:
-        yield ["tests/twins/test_twins.py", "-k", file.removeprefix("glsl/").split(".")[0]]
+    """Arguments of pytest, the nearest tests first: those of NEAREST, and then all of the room."""
     nearest = [test for pattern, tests in NEAREST.items() if re.search(pattern, file) for test in tests.split()]
     if nearest:
         yield ["-m", "not slow", *nearest]
     yield ["-m", "not slow", *(test for test in ROOMS[room][1].split() if test not in nearest)]
 
 
-def tried(folder, room, change, seconds):
+def of_twins(twins, file, seconds):
+    """Which of a library's twins notices: its test, or nothing."""
+    if not (file.startswith("glsl/") and len(file.split("/")) == 3):
+        return ""
+    twins.stdin.write(f"{file.removeprefix('glsl/')} {seconds}\n")
+    twins.stdin.flush()
+    said = twins.stdout.readline().strip()
+    return "" if said == "ok" else said
+
+
+def tried(folder, twins, room, change, seconds):
     """What the tests of a room say of a change: (result, by, was, now)."""
     file, line, start, end, now = change
     path = folder / file
@@ -145,8 +182,9 @@ def tried(folder, room, change, seconds):
     was = lines[line]
     lines[line] = was[:start] + now + was[end:]
     path.write_text("\n".join(lines), encoding="utf-8")
-    result, by = "survived", ""
-    for which in selections(file, room):
+    by = of_twins(twins, file, seconds)
+    result = "caught" if by else "survived"
+    for which in () if by else selections(file, room):
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *which]
         env = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1", "LP_NUM_THREADS": "1"}
         limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))  # noqa: E731
@@ -197,13 +235,18 @@ def main():
             target = Path(folder) / os.fsdecode(name)
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes((ROOT / os.fsdecode(name)).read_bytes())
+        env = {**os.environ, "PYTHONPATH": folder, "PYTHONDONTWRITEBYTECODE": "1", "LP_NUM_THREADS": "1"}
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        twins = subprocess.Popen([sys.executable, "-c", TWINS, folder], cwd=folder, env=env, **pipes)
         for room, change in turns:
-            result, by, was, now = tried(Path(folder), room, change, args.seconds)
+            result, by, was, now = tried(Path(folder), twins, room, change, args.seconds)
             row = {"room": room, "file": change[0], "line": change[1] + 1, "was": was, "now": now}
             rows.append(row | {"result": result, "by": by})
             with out.open("a") as file:
                 file.write(json.dumps(rows[-1]) + "\n")
             print(result, room, f"{change[0]}:{change[1] + 1}", now, "|", by, flush=True)
+        twins.stdin.close()
+        twins.wait()
     report(rows)
 
 
