@@ -198,6 +198,10 @@ def test_wrong_outputs(tmp_path, capsys):
 def test_wrong_commands(capsys):
     assert "render" in fails(capsys, "rendr")
     assert "nothere" in fails(capsys, "render", "nothere", "-o", "a.png")
+    assert "render: --output (-o) is missing: Picture to write" in fails(capsys, "render", "--fabric", "linen")
+    assert "diff: B is missing" in fails(capsys, "diff", "a.png")
+    assert "c.png: more than glcloth diff takes" in fails(capsys, "diff", "a.png", "b.png", "c.png")
+    assert "--fabric: expected a value" in fails(capsys, "render", "-o", "a.png", "--fabric")
 
 
 def test_what_is_no_scene_names_its_option(tmp_path, capsys):
