@@ -53,5 +53,5 @@ def test_it_is_shown_while_it_goes_on_and_begins_again(ctx, renderer, monkeypatc
     flat = renderer.prepare(**{**look, "shadows": "off"})
     refiner.show([flat])
     finish(refiner)
-    assert refiner.sides[0].share == 1.0 and refiner.status(catcher.scene)[0].startswith("direct: ")
+    assert refiner.sides[0].share == 1.0 and refiner.status(flat.scene)[0].startswith("direct: ")
     refiner.release()
