@@ -6,6 +6,7 @@ Everything here works on linear Rec. 709 arrays [..., 3] and returns display cod
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -94,13 +95,23 @@ VIEW_TRANSFORMS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
 }
 
 
+def is_hex(text: str) -> bool:
+    """Whether a text is a colour as #rgb or #rrggbb."""
+    return re.fullmatch(r"#(?:[0-9a-fA-F]{3}|[0-9a-fA-F]{6})", text) is not None
+
+
+def whole_hex(text: str) -> str:
+    """A colour as #rrggbb, in small letters, of one as #rgb or #rrggbb."""
+    digits = text.removeprefix("#").lower()
+    return "#" + ("".join(2 * digit for digit in digits) if len(digits) == 3 else digits)
+
+
 def hex_codes(text: str) -> tuple[float, float, float]:
     """The code values 0 to 1 of a colour as #rgb or #rrggbb. Raises ValueError."""
-    digits = text.removeprefix("#")
-    digits = "".join(2 * digit for digit in digits) if len(digits) == 3 else digits
-    if not text.startswith("#") or len(digits) != 6 or any(digit not in "0123456789abcdefABCDEF" for digit in digits):
+    if not is_hex(text):
         raise ValueError(f"expected a colour such as #ff0000, not {text}")
-    red, green, blue = (int(digits[k : k + 2], 16) / 255.0 for k in (0, 2, 4))
+    digits = whole_hex(text)
+    red, green, blue = (int(digits[k + 1 : k + 3], 16) / 255.0 for k in (0, 2, 4))
     return red, green, blue
 
 

@@ -283,6 +283,17 @@ def decode_codes(source: Path | bytes) -> np.ndarray:
     return _with_pillow(source, _codes)
 
 
+def decode_bytes(path: Path) -> np.ndarray:
+    """The code values [H, W, 3] uint8 of a PNG or JPEG file, without its alpha. Raises InputError."""
+
+    def codes(picture) -> np.ndarray:
+        if picture.mode.startswith("I"):
+            return np.repeat(np.rint(np.asarray(picture, np.float32) / 257.0).astype(np.uint8)[..., None], 3, -1)
+        return np.asarray(picture.convert("RGB"))
+
+    return _with_pillow(path, codes)
+
+
 def _png_size(path: Path) -> tuple[int, int]:
     with open(path, "rb") as file:
         return struct.unpack(">II", (file.read(24) + bytes(24))[16:24])

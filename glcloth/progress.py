@@ -86,7 +86,7 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
                     bar.update(task, completed=done)
             elif now - said > SAY_EVERY:
                 said = now
-                say(f"glcloth: {what}: {done} of {total if total is not None else '?'}")
+                say(f"glcloth: {what}: {done}{f' of {total}' if total is not None else ''}")
             yield item
     finally:
         if bar is not None:

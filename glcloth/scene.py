@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import ConfigDict, Field, field_validator, model_serializer, model_validator
 
 from . import __version__
-from .color import Transform, hex_codes, srgb_decode
+from .color import Transform, is_hex, srgb_decode, whole_hex
 from .errors import InputError, short
 from .fabric import Fabric
 from .fields import Value, about, entries
@@ -146,6 +146,7 @@ FOLDS = {
     "tape": (2.5 / 13, 158 / 13, 0.2), "rings": (2.5 / 13, 158 / 13, 0.2), "pencil": (0.1, 10.0, 0.4),
     "eyelet": (0.16, 12.0, 0.03), "rod": (0.09, 10.0, 0.2),
 }  # fmt: skip
+NARROWEST = 0.2  # m, half of a pair
 ABOVE_ROD = 0.07  # m, that cloth on a rod stands above the rail's height, which is just under the rod
 
 
@@ -194,6 +195,18 @@ class CurtainParameters(Value):
     color: tuple[Share, Share, Share] | None = option(
         "linear Rec. 709", "colour of the cloth instead of its fabric's own, which colours what shines through as well: R,G,B, "
         "#rrggbb, or a name such as crimson; none: the fabric's", default=None)
+    open: float = option(
+        "m", "the curtain is a pair, drawn so far apart in the middle; 0: one piece", default=0.0, ge=0, slider=(0.0, 2.0))
+    behind: str | Fabric = option(
+        "", "fabric of a second curtain between this one and the window, such as blackout behind a sheer; none: there is "
+        "none", default="", file=True)
+    behind_open: float = option(
+        "m", "the second curtain is a pair, drawn so far apart in the middle; 0: one piece", default=0.0, ge=0,
+        slider=(0.0, 2.0))
+    behind_color: tuple[Share, Share, Share] | None = about(
+        "linear Rec. 709", "of the second curtain, as color", default=None)
+    behind_fullness: float = about("", "of the second curtain, as fullness", default=1.8, ge=1, le=4, slider=(1.0, 3.0))
+    behind_mass: float = about("kg/m\u00b2", "of the second curtain", default=0.2, gt=0, slider=(0.02, 0.6))
     mass: float = about("kg/m\u00b2", "of the cloth; sheers 0.03 to 0.1", default=0.06, gt=0, slider=(0.02, 0.6))
     stretch: float = about(
         "N/m", "how stiff the threads are along themselves", default=3000.0, gt=0, slider=(200.0, 20000.0), log=True)
@@ -235,7 +248,7 @@ class CurtainParameters(Value):
                 self.__pydantic_fields_set__.discard(name)
         return self
 
-    @field_validator("color", mode="before")
+    @field_validator("color", "behind_color", mode="before")
     @classmethod
     def _color(cls, value):
         return color_of(value) if isinstance(value, str) else value
@@ -254,6 +267,12 @@ class CurtainParameters(Value):
             )
         if min(self.quads) < 6:
             raise ValueError(f"quads = {self.quads}, must be 6 or more each; change them")
+        for name in ("open", "behind_open"):
+            if getattr(self, name) > self.width - 2 * NARROWEST:
+                raise ValueError(
+                    f"{name} = {getattr(self, name):g}: the rail is {self.width:g} m long, expected at most "
+                    f"{max(0.0, self.width - 2 * NARROWEST):.3g}, {100 * NARROWEST:g} cm for each half; change it or width"
+                )
         if self.pleats > self.quads[0] // 6:
             raise ValueError(
                 f"pleats = {self.pleats} on {self.quads[0]} quads, must be 1 to {self.quads[0] // 6}, six quads each; "
@@ -272,7 +291,7 @@ class CurtainParameters(Value):
 
     @property
     def triangle_count(self) -> int:
-        """How many triangles the curtain has."""
+        """How many triangles a curtain of one piece has."""
         return 2 * self.quads[0] * self.quads[1]
 
 
@@ -298,6 +317,9 @@ class Scene(Value):
         "m", "length of a UV unit of the mesh, for the size of threads; 0: measured", default=0.0, ge=0, le=1000)
     mesh: str | tuple[str, ...] = cloth(
         "", "built-in mesh or a file (.obj .ply .glb .gltf .stl .off); repeatable", default="drape", file=True, repeat=True)
+    subdivide: int = cloth(
+        "", "times that each triangle of the cloth is cut into four on a smooth surface (Loop), for coarse meshes", default=0,
+        ge=0, le=4)
     print: PrintMap | None = cloth(
         "", "a picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; "
         "repeatable", default=None, file=True, repeat=True)
@@ -388,6 +410,9 @@ class Scene(Value):
     spread: bool = curtain(
         "", "blur what is seen through the yarns; needs many samples per pixel", default=False)
     cutoff: float = curtain("", "share of the light below which a ray ends", default=1e-3, ge=0, lt=1, option=False)
+    sun: Literal["lamp", "map"] = curtain(
+        "", "what shines in: the lamp, or the brightest sun of the environment, a disc far away; where no sun of the map does, "
+        "the sky alone", default="lamp")
     lamp_position: Vec3 = curtain(
         "m", "the lamp outside the window, x y z; +y up, the window at z = 0", default=(1.6, 3.6, -5.0), slider=(-12.0, 12.0),
         option=False)
@@ -461,10 +486,8 @@ class Scene(Value):
     @field_validator("fabrics", mode="after")
     @classmethod
     def _colors(cls, value):
-        for name in value:
-            if name.startswith("#"):
-                hex_codes(name)
-        return value
+        # Colours of a mask in one spelling; the last one given counts.
+        return {whole_hex(name) if is_hex(name) else name: one for name, one in value.items()}
 
     @field_validator("print", "opacity", "fabric_mask", mode="before")
     @classmethod
@@ -563,6 +586,8 @@ class Scene(Value):
             if entry.file:
                 value = getattr(self, entry.name)
                 found += value.values() if isinstance(value, dict) else value if isinstance(value, tuple) else [value]
+        if self.curtain is not None:
+            found.append(self.curtain.behind)
         names = (getattr(one, "file", one) for one in found)
         return {split_place(name)[0] for name in names if isinstance(name, str) and name}
 
@@ -609,6 +634,9 @@ def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
             value = data[entry.name]
             table = entry.name in ("fabrics", *MAPS.values()) and isinstance(value, dict)
             out[entry.name] = {part: changed(v) for part, v in value.items()} if table else changed(value)
+    curtain = out.get("curtain")
+    if isinstance(curtain, dict) and "behind" in curtain:
+        out["curtain"] = {**curtain, "behind": changed(curtain["behind"])}
     return out
 
 

@@ -52,9 +52,15 @@ class Triangles:
         positions = np.asarray(positions, np.float32)
         self.padding = (float(np.abs(positions).max(initial=0.0)) or 1.0) * PADDING
         self.set(0, positions, material=material)
+        self._take_pieces(pieces_of(rotated_corners(without_lines(positions), self.turn[: len(positions)])))
+
+    def cut_needles(self, wanted: bool) -> None:
+        """Long thin triangles, which a pass has written, enter a hierarchy in pieces from now on; not `wanted`: whole."""
+        self._take_pieces(pieces_of(self.positions()) if wanted else None)
+
+    def _take_pieces(self, found: np.ndarray | None) -> None:
         if self.pieces is not None:
             self.pieces[1].release()
-        found = pieces_of(rotated_corners(without_lines(positions), self.turn[: len(positions)]))
         self.pieces = None if found is None else (len(found), TextureBuffer(self.ctx, found, "rgba32ui"))
 
     def set(

@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from cyclopts import App, CycloptsError
+from cyclopts import App, CycloptsError, MissingArgumentError, UnusedCliTokensError
 
 from .. import __version__
 from ..errors import DriverError, InputError, NoOpenGLError, ShaderError
@@ -111,10 +111,27 @@ def main(arguments: list[str] | None = None) -> None:
     sys.exit(code)
 
 
+def _usage(error: Exception) -> str:
+    """What is wrong with a command line, with the remedy."""
+    command = " ".join(["glcloth", *(getattr(error, "command_chain", None) or ())])
+    if isinstance(error, UnusedCliTokensError):
+        rest = " ".join(error.unused_tokens or ())
+        return f"{rest}: more than {command} takes; options begin with --, see {command} --help"
+    if isinstance(error, MissingArgumentError) and error.argument is not None and "Did you mean" not in str(error):
+        argument = error.argument
+        given = error.keyword is not None or bool(argument.tokens)  # such as --fabric at the end
+        if given:
+            return f"{error.keyword or argument.name}: expected a value after it; see {command} --help"
+        name = f"{argument.name} (-o)" if "-o" in argument.names else argument.name
+        text = (argument.parameter.help or "").strip().splitlines()
+        return f"{command}: {name} is missing{': ' + text[0].rstrip('.') if text else ''}; see {command} --help"
+    return str(error)
+
+
 def _told(error: BaseException) -> tuple[int, str]:
     """The exit code of an error, and the line that explains it."""
     if isinstance(error, CycloptsError | InputError):
-        return 2, str(error)
+        return 2, _usage(error)
     if isinstance(error, NoOpenGLError):
         return 3, str(error)
     if isinstance(error, ShaderError):

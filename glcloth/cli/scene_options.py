@@ -17,6 +17,7 @@ class SceneOptions:
     threads: Annotated[bool | None, Parameter(help="Threads where one comes near, of a fabric with a weave.")] = None
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
     mesh: Annotated[list[str] | None, Parameter(name="--mesh", negative="", help="Built-in mesh or a file (.obj .ply .glb .gltf .stl .off); repeatable.")] = None
+    subdivide: Annotated[int | None, Parameter(help="Times that each triangle of the cloth is cut into four on a smooth surface (Loop), for coarse meshes (0 to 4).")] = None
     print: Annotated[list[str] | None, Parameter(name="--print", negative="", help="A picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; repeatable.")] = None
     opacity: Annotated[list[str] | None, Parameter(name="--opacity", negative="", help="A picture that says where cloth is, over the UVs: black is open; a table in files; PART=FILE for a part alone; repeatable.")] = None
     fabric_mask: Annotated[list[str] | None, Parameter(name="--fabric-mask", negative="", help="A picture whose colours say which fabric a place has, over the UVs, with --fabric '#rrggbb=FABRIC' for each colour; a table in files; PART=FILE for a part alone; repeatable.")] = None
@@ -58,6 +59,7 @@ class SceneOptions:
     photons: Annotated[int | None, Parameter(help="Photons that begin for each sample of the pixels (gi photons) (1000 to 2e+06; curtain).")] = None
     photon_neighbours: Annotated[int | None, Parameter(help="Nearest photons of an estimate in the first sample; later ones take fewer (gi photons) (8 to 2000; curtain).")] = None
     spread: Annotated[bool | None, Parameter(help="Blur what is seen through the yarns; needs many samples per pixel (curtain).")] = None
+    sun: Annotated[str | None, Parameter(help="What shines in: the lamp, or the brightest sun of the environment, a disc far away; where no sun of the map does, the sky alone (lamp or map; curtain).")] = None
     view: Annotated[str | None, Parameter(help="Framed by the size of the cloth: front, three-quarter, side, back, close; or a camera of the mesh's .glb or .gltf file by its name, or file for its only one.")] = None
     eye: Annotated[str | None, Parameter(help="Where the camera is, X,Y,Z (m).")] = None
     target: Annotated[str | None, Parameter(help="What it looks at, X,Y,Z (m).")] = None
@@ -71,6 +73,9 @@ class SceneOptions:
     fullness: Annotated[float | None, Parameter(help="Width of the cloth over that of the rail (1 to 4; curtain).")] = None
     heading: Annotated[str | None, Parameter(help="Tape holds the whole upper edge in deep folds, pencil in narrow ones; rings hold the front of each fold; with eyelet even folds, with rod narrow gathers stand about the rod, and a little above it (tape, rings, pencil, eyelet or rod; curtain).")] = None
     color: Annotated[str | None, Parameter(help="Colour of the cloth instead of its fabric's own, which colours what shines through as well: R,G,B, #rrggbb, or a name such as crimson; none: the fabric's (0 to 1 linear Rec. 709; curtain).")] = None
+    open: Annotated[float | None, Parameter(help="The curtain is a pair, drawn so far apart in the middle; 0: one piece (from 0 m; curtain).")] = None
+    behind: Annotated[str | None, Parameter(help="Fabric of a second curtain between this one and the window, such as blackout behind a sheer; none: there is none (curtain).")] = None
+    behind_open: Annotated[float | None, Parameter(help="The second curtain is a pair, drawn so far apart in the middle; 0: one piece (from 0 m; curtain).")] = None
     wind: Annotated[float | None, Parameter(help="Wind into the room, perpendicular to the window; animate: along the built-in cloth (-20 to 20 m/s; curtain).")] = None
     print_repeat: Annotated[float | None, Parameter(help="Print: How much of the cloth one repeat covers, along u; in metres it keeps its proportions along v (0.001 to 1e+06).")] = None
     print_unit: Annotated[str | None, Parameter(help="Print: Of the repeat: UV units, where it is as high as wide, or metres (uv or m).")] = None

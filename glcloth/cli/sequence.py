@@ -101,7 +101,7 @@ def _layers(aov: str | None, scene: Scene, output: Path) -> tuple[str, ...]:
         raise InputError(f"{output}: --aov writes layers, expected frames such as frames/%04d.exr")
     names = chosen(aov)
     if scene.curtain is not None:
-        check_names(names)
+        check_names(names, scene.method)
     return names
 
 

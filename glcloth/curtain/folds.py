@@ -16,12 +16,14 @@ from ..accel.triangles import Triangles
 from ..color import luminance
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import programs
+from ..tracing.fabrics import fabric_defines
 from .form_factors import Sheet
 
 PATHS = 8192  # from each side
 BINS = (12, 8)  # of directions, by their x and y: evenly spread over the disc they are distributed as their cosine
 RAYS = 128  # for each of them
 MARGIN = 0.2  # m, of the sheet's rim that paths keep away from
+NEAR = 50.0  # m
 STEEPEST = 0.12  # cosine of the flattest way through the sheet
 
 
@@ -100,7 +102,8 @@ class HangingCloth:
         inputs : of inputs/tracing/local_light.glsl. chosen : [C] triangles, evenly spread, where the lamp's light is measured
         """
         positions = self.triangles.positions()
-        reach = 4.0 * (float(np.abs(positions).max()) + float(np.abs(inputs["lamp"]).max()))
+        # From further away hits would lose digits.
+        reach = 4.0 * (float(np.abs(positions).max()) + min(float(np.abs(inputs["lamp"]).max()), NEAR))
         inputs = {
             **inputs, "corner_data": self.triangles.corners, "attribute_data": self.triangles.attributes, "beyond": reach,
             "offset": 8 * self.triangles.padding,
@@ -180,7 +183,9 @@ class HangingCloth:
     def _fates(self, inputs: Mapping[str, Any], inner: np.ndarray, thick: float) -> np.ndarray:
         """What became of the paths, [2 PATHS, 5, 4]."""
         out = Buffer(self.ctx, 160 * PATHS)
-        program = programs(self.ctx).compute("passes/curtain/folds.comp", None, tracing(self.structure))
+        program = programs(self.ctx).compute(
+            "passes/curtain/folds.comp", fabric_defines(inputs), tracing(self.structure)
+        )
         program.run(
             2 * PATHS, self.structure.inputs(), inputs, Paths=out, path_count=2 * PATHS, sheet=tuple(inner),
             sheet_z=self.sheet.z, thick=thick,
@@ -222,7 +227,7 @@ def attenuate(
     ends: TextureBuffer | None = None,
 ) -> None:
     """Write to `after` what of the light `before` arrives at points from the lamp, or from `ends`, past cloth and all else."""
-    program = programs(ctx).compute("passes/curtain/through.comp", None, tracing(structure))
+    program = programs(ctx).compute("passes/curtain/through.comp", fabric_defines(inputs), tracing(structure))
     for k, chunk in enumerate(structure.chunks()):
         program.run(
             count, structure.inputs(), inputs, chunk, points=points, ends=ends or points, arriving=before, Lights=after,

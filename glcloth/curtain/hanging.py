@@ -40,18 +40,26 @@ class CurtainSimulation:
     MOST_SUBSTEPS = 4 * SUBSTEP_RATE
     RINGS_FACTOR = 2  # under a ring the whole pleat hangs on one thread
 
-    def __init__(self, ctx: moderngl.Context, parameters: CurtainParameters | None = None, settle: bool = True):
+    def __init__(
+        self,
+        ctx: moderngl.Context,
+        parameters: CurtainParameters | None = None,
+        settle: bool = True,
+        shift: float = 0.0,
+    ):
         """Hang the curtain and let it settle; deterministic. Raises InputError as CurtainParameters does, and for cloth so
         stiff that it would bend too easily.
 
         settle : False leaves that to a caller who goes through `settling()` before the first step
+        shift : by which the middle of its rail is off x = 0, m
         """
         self.parameters = m = parameters or CurtainParameters()
+        self.pushed = 0.0  # m/s, the strongest wind on a cloth that pushes this one
         self._least_rate = _rate_for_bending(m, self.MOST_SUBSTEPS)
         columns, rows = m.quads[0] + 1, m.quads[1] + 1
         rail = pleated_rail(m, columns)
         positions = np.empty((rows, columns, 3))
-        positions[..., 0], positions[..., 2] = rail[:, 0], rail[:, 1]
+        positions[..., 0], positions[..., 2] = rail[:, 0] + shift, rail[:, 1]
         positions[..., 1] = np.linspace(m.upper, m.upper - m.drop, rows)[:, None]
         pinned = np.zeros((rows, columns), bool)
         pinned[0] = _crests(rail[:, 1]) if m.heading == "rings" else True
@@ -94,7 +102,7 @@ class CurtainSimulation:
         """Let the wind of the parameters blow from now on, and make the cloth ready for it."""
         m, cloth = self.parameters, self.cloth
         cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
-        strong = _gusts(m) > 1.0
+        strong = max(gusts(m), self.pushed) > 1.0
         own = {"gap": GAP, "least_fold": 0.0, "shear": m.shear} | (STRONG if strong else {})
         own["gap"] *= cloth.parameters.spacing[0]
         own["shear"] = max(own["shear"], m.shear)
@@ -103,10 +111,14 @@ class CurtainSimulation:
         if strong and m.heading != "rings" and cloth.rail is None:
             cloth.rail = Rail(cloth.ctx, self._heading, cloth.rows)
 
+    def can_change(self, parameters: CurtainParameters) -> bool:
+        """Whether `change` takes other parameters. Raises InputError for cloth so stiff that it would bend too easily."""
+        _rate_for_bending(parameters, self.MOST_SUBSTEPS)
+        return self.parameters.changed(**{name: getattr(parameters, name) for name in LIVE}) == parameters
+
     def change(self, parameters: CurtainParameters) -> bool:
         """Take other parameters while the curtain moves; False, and nothing done, where it must be hung anew for them."""
-        m = self.parameters
-        if m.changed(**{name: getattr(parameters, name) for name in LIVE}) != parameters:
+        if not self.can_change(parameters):
             return False
         self._least_rate = _rate_for_bending(parameters, self.MOST_SUBSTEPS)
         self.parameters = m = parameters
@@ -131,7 +143,7 @@ class CurtainSimulation:
 
     def _advance(self, dt: float) -> Iterator[None]:
         m = self.parameters
-        rate = max(self.SUBSTEP_RATE * max(1.0, _gusts(m)) ** 2, self._least_rate)
+        rate = max(self.SUBSTEP_RATE * max(1.0, gusts(m), self.pushed) ** 2, self._least_rate)
         rate = min(rate * (self.RINGS_FACTOR if m.heading == "rings" else 1), self.MOST_SUBSTEPS)
         substeps = max(1, math.ceil(dt * rate - 1e-9))
         if substeps != self.cloth.parameters.substeps:
@@ -176,7 +188,7 @@ def _rate_for_bending(m: CurtainParameters, most: float) -> float:
     return math.sqrt(m.bending / per)
 
 
-def _gusts(m: CurtainParameters) -> float:
+def gusts(m: CurtainParameters) -> float:
     """The strongest wind, m/s."""
     return abs(m.wind) * (1 + m.gustiness)
 

@@ -44,11 +44,15 @@ class CurtainPaths:
             self._portals = portals_of(self.ctx, self.room)
         return self._portals
 
-    def steps(self, mesh: Mesh, shot: Shot, samples: int, noise: float = 0.0, vertices: int = 24) -> Iterator[Progress]:
-        """Trace a picture of the curtain as `mesh`; yields after each dispatch. Parameters as for PathTracer.steps."""
+    def steps(
+        self, meshes: list[Mesh], shot: Shot, samples: int, noise: float = 0.0, vertices: int = 24
+    ) -> Iterator[Progress]:
+        """Trace a picture of curtains, a mesh for each fabric of the shot; yields after each dispatch. Parameters as for
+        PathTracer.steps."""
         tracer, environment = self.tracer, shot.environment
         assert environment is not None, "the curtain's scene has one"
-        tracer.take(self._world.get(lambda: PathWorld(((mesh, shot.fabric),), (self._walls,)), mesh, shot.fabric))
+        cloths = tuple(zip(meshes, shot.fabrics, strict=True))
+        tracer.take(self._world.get(lambda: PathWorld(cloths, (self._walls,)), cloths))
         rotation = rotation_y(shot.env_rotate)
         if len(self.portals):
             tracer.sky.take_portal(environment, rotation, self.portals)

@@ -25,6 +25,7 @@ from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..light import equirect
 from ..light.environment import Environment, rotation_y
+from ..tracing.fabrics import fabric_defines
 from ..tracing.shot import Shot
 from .form_factors import facing_the_room, find_openings
 from .portals import CELLS, Emission, emission
@@ -43,6 +44,7 @@ SHRINKING = 2 / 3  # alpha of Knaus and Zwicker: 1 keeps the radius, 0 the noise
 WIDEST = 4.0  # the largest disc, in areas that hold the wanted neighbours in the mean
 SURFACE_POINTS = 4096  # from which openings are looked for
 SEARCHES = 3  # for a radius, each of which makes it up to 32 times more exact
+MOST_PIECES = 4
 BYTES = 16 * TEXELS  # of a point
 
 
@@ -74,6 +76,11 @@ class Grid(NamedTuple):
     spacing: tuple[float, float]
 
 
+def _size(cloth: Grid) -> tuple[float, float]:
+    """Of the flat cloth, m."""
+    return cloth.columns * cloth.spacing[0], cloth.rows * cloth.spacing[1]
+
+
 class SurfacePoints(NamedTuple):
     """Points on a room's surfaces [N, 3], with normals."""
 
@@ -84,19 +91,23 @@ class SurfacePoints(NamedTuple):
 class PhotonMap:
     """The photons of one room with one curtain, or none."""
 
-    def __init__(self, ctx: moderngl.Context, room: Room, cloth: Grid | None = None):
-        self.ctx, self.room, self.cloth = ctx, room, cloth
+    def __init__(self, ctx: moderngl.Context, room: Room, *cloths: Grid):
+        """cloths : the pieces of cloth, four at most, as their triangles follow those of the room."""
+        self.ctx, self.room, self.cloths = ctx, room, cloths
         self.arrived = 0  # photons in the tree
         scale = float(np.abs(room.positions).max(initial=1e-3))
-        size = (cloth.columns * cloth.spacing[0], cloth.rows * cloth.spacing[1]) if cloth else (1.0, 1.0)
-        self._scale = 8 * max(scale, *size)
         edges = room.positions[:, 1:].astype(float) - room.positions[:, :1]
         areas = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-        self._areas, self._area = areas, float(areas.sum()) + (2 * size[0] * size[1] if cloth else 0.0)
+        self._areas = areas
+        self._area = float(areas.sum()) + sum((2 * width * height for width, height in map(_size, cloths)), 0.0)
         low, high = room.positions.reshape(-1, 3).min(0), room.positions.reshape(-1, 3).max(0)
         self._box = low.astype(float), high.astype(float)
         self._reach = 0.125 * float(np.linalg.norm(self._box[1] - self._box[0]))  # the largest radius
-        self._size = size
+        widths = [_size(cloth)[0] for cloth in cloths]
+        # Discs of one do not reach the next.
+        self._lefts = [sum(widths[:k]) + 2.1 * self._reach * k for k in range(len(cloths))]
+        ends = [begin + width for begin, width in zip(self._lefts, widths, strict=True)] or [1.0]
+        self._scale = 8 * max(scale, ends[-1], *(_size(cloth)[1] for cloth in cloths), 1.0 if not cloths else 0.0)
         self.tree, self._gathered_tree = PointTree(ctx), PointTree(ctx)
         self._slots = TextureBuffer(ctx, 64, "rgba32ui")
         self._found, self._begins = TextureBuffer(ctx, 64, "r32ui"), TextureBuffer(ctx, 64, "r32ui")
@@ -126,7 +137,8 @@ class PhotonMap:
         finally:
             structure.release()
             triangles.release()
-        rims = rims.with_sheet(*self._size, self._far)
+        for cloth, begin in zip(self.cloths, self._lefts, strict=True):
+            rims = rims.with_sheet(*_size(cloth), self._far, begin)
         ends = np.zeros((max(len(rims.ends), 1), 2, 4), np.float32)
         ends[: len(rims.ends), :, :3] = rims.ends
         self._rims.write(ends)
@@ -203,7 +215,7 @@ class PhotonMap:
         # A hit's disc holds INTERPOLATED of them where they are half as dense as in the mean.
         self._spread = 2 * INTERPOLATED * self._area / (np.pi * max(gathered, 1))
         yield {}
-        if self.cloth:
+        if self.cloths:
             self._lay_nodes(shrunk)
             self.gather(self._node_places, self._node_count, neighbours, out=self._node_light)
             yield {}
@@ -244,7 +256,7 @@ class PhotonMap:
         }  # fmt: skip
         for first in range(0, count, CHUNK):
             n = min(CHUNK, count - first)
-            passes.compute("passes/curtain/photon_trace.comp", None, tracing(structure)).run(
+            passes.compute("passes/curtain/photon_trace.comp", fabric_defines(inputs), tracing(structure)).run(
                 n, structure.inputs(), inputs, names, Slots=self._slots, Found=self._found, slots_each=SLOTS,
                 first_photon=first, photon_count=n,
             )  # fmt: skip
@@ -293,26 +305,23 @@ class PhotonMap:
         return taken
 
     def _lay_nodes(self, shrunk: float) -> None:
-        """Lay the nodes of the grid on the flat cloth: those of its front row by row, then of its back."""
-        assert self.cloth is not None
+        """Lay the nodes of the grid on each flat piece: those of its front row by row, then of its back."""
         more = shrunk**-0.5
-        across, down = (
-            min(round(most * more), quads) + 1
-            for most, quads in zip(NODES, (self.cloth.columns, self.cloth.rows), strict=True)
-        )
+        largest = max(cloth.columns for cloth in self.cloths), max(cloth.rows for cloth in self.cloths)
+        across, down = (min(round(most * more), quads) + 1 for most, quads in zip(NODES, largest, strict=True))
         if (across, down) == self._nodes:
             return
-        self._nodes, self._node_count = (across, down), 2 * across * down
-        width, height = self._size
-        y, x = (
-            a.ravel() for a in np.meshgrid(-np.linspace(0, height, down), np.linspace(0, width, across), indexing="ij")
-        )
-        data = np.zeros((2, len(x), TEXELS, 4), np.uint32)
-        for side, sign in enumerate((1.0, -1.0)):
-            place = np.stack([x, y, np.full_like(x, sign * self._far)], 1)
-            data[side, :, 0, :3] = place.astype(np.float32).view(np.uint32)
-            data[side, :, 0, 3] = pack_units(np.array([0.0, 0.0, sign]))
-            data[side, :, 1, 3] = 2 * len(self.room.positions) + side
+        self._nodes, self._node_count = (across, down), 2 * across * down * len(self.cloths)
+        data = np.zeros((len(self.cloths), 2, across * down, TEXELS, 4), np.uint32)
+        for piece, (cloth, begin) in enumerate(zip(self.cloths, self._lefts, strict=True)):
+            width, height = _size(cloth)
+            v, u = np.meshgrid(-np.linspace(0, height, down), np.linspace(0, width, across), indexing="ij")
+            x, y = begin + u.ravel(), v.ravel()
+            for side, sign in enumerate((1.0, -1.0)):
+                place = np.stack([x, y, np.full_like(x, sign * self._far)], 1)
+                data[piece, side, :, 0, :3] = place.astype(np.float32).view(np.uint32)
+                data[piece, side, :, 0, 3] = pack_units(np.array([0.0, 0.0, sign]))
+                data[piece, side, :, 1, 3] = 2 * (len(self.room.positions) + piece) + side
         self._node_places.write(data)
 
     def gathered(self, count: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -343,17 +352,26 @@ class PhotonMap:
 
     def _flat(self) -> dict[str, Any]:
         """The inputs of inputs/tracing/flat_cloth.glsl."""
-        cloth = self.cloth or Grid(1, 1, (1.0, 1.0))
+        cloths = self.cloths or (Grid(1, 1, (1.0, 1.0)),)
+        firsts = [
+            len(self.room.positions) + 2 * sum(c.rows * c.columns for c in cloths[:k]) for k in range(len(cloths))
+        ]
+
+        def four(values, rest):
+            return (*values, *[rest] * (MOST_PIECES - len(cloths)))
+
         return {
-            "flat_first": len(self.room.positions), "flat_columns": cloth.columns, "flat_spacing": cloth.spacing,
-            "flat_far": self._far,
+            "flat_first": four(firsts, 0x7FFFFFFF), "flat_columns": four((c.columns for c in cloths), 1),
+            "flat_across": four((c.spacing[0] for c in cloths), 1.0), "flat_down": four((c.spacing[1] for c in cloths), 1.0),
+            "flat_begin": four(self._lefts or (0.0,), 0.0), "flat_far": self._far,
+            "cloth_width": four((_size(c)[0] for c in cloths), 1.0), "cloth_height": four((_size(c)[1] for c in cloths), 1.0),
         }  # fmt: skip
 
     def inputs(self) -> dict[str, Any]:
         """The inputs of inputs/tracing/indirect_photons.glsl."""
         return {
             **self._gathered_tree.inputs(), **self._flat(), "nearest_wanted": INTERPOLATED, "nearest_most": self._spread,
-            "cloth_light": self._node_light, "cloth_nodes": self._nodes, "cloth_size": self._size,
+            "cloth_light": self._node_light, "cloth_nodes": self._nodes,
         }  # fmt: skip
 
     def release(self) -> None:

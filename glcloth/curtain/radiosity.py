@@ -12,9 +12,9 @@ K is one bounce; (1 - K)^-1 is found once for a fabric, so that a frame needs on
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import moderngl
 import numpy as np
@@ -41,19 +41,30 @@ CLOTH_SAMPLES = 22  # triangles of a cell of the curtain to which the lamp's ray
 SKY_SIZE = (32, 64)  # the map that the sky is read from: texels as wide as a cell of an opening at least
 
 
+class HangingPiece(NamedTuple):
+    """A piece of cloth: rows and columns of its quads, how far its middle is off the sheet's, and how wide it is, in sheets."""
+
+    rows: int
+    columns: int
+    shift: float = 0.0
+    width: float = 1.0
+
+
 class Radiosity:
     """The light around one room with one curtain."""
 
-    def __init__(self, ctx: moderngl.Context, room: Room, sheet: Sheet, hung: Triangles, grid: tuple[int, int]):
+    def __init__(
+        self, ctx: moderngl.Context, room: Room, sheet: Sheet, hung: Triangles, pieces: Sequence[HangingPiece]
+    ):
         """
-        hung : the curtain alone as it hangs without wind; it is released with this. grid : rows and columns of its quads
+        hung : the curtains alone as they hang without wind; it is released with this. pieces : of them, one behind the other
         """
         self.ctx, self.room = ctx, room
         self.cloth = HangingCloth(ctx, hung, sheet)
         self._factors: FormFactors | None = None
         self._structure: Structure | None = None
         self._triangles = Triangles.of(ctx, room.positions, 1)
-        self._cell_triangles = _cells_of_grid(*grid)
+        self._cell_triangles = _cells_of(pieces)
         self._buffers: dict[str, TextureBuffer] = {}
         self._lamp: Last[int] = Last()
         self._folds: Last[Folds] = Last()
@@ -247,8 +258,9 @@ class Radiosity:
         f, lamp = self.factors, shot.lighting.lamp
         lit = self._lamp.get(lambda: self._lamp_samples(shot), lamp.position, lamp.intensity)
         chosen = np.concatenate(self._cell_triangles)
-        fabric = shot.fabric.model_dump_json()
-        folds = self._folds.get(lambda: self.cloth.folds(inputs, chosen), fabric, lamp.position, lamp.intensity)
+        fabric = "".join(one.model_dump_json() for one in shot.fabrics)
+        hung = inputs | ({"fabric_from": [k - first for k in inputs["fabric_from"]]} if shot.others else {})
+        folds = self._folds.get(lambda: self.cloth.folds(hung, chosen), fabric, lamp.position, lamp.intensity)
         sky = self._sky.get(
             lambda: self._sky_light(shot, folds), folds, shot.environment, shot.env_rotate, shot.lighting.background
         )
@@ -321,15 +333,20 @@ def without_suns(environment: Environment) -> np.ndarray:
     return equirect.downsample(rest, *SKY_SIZE) if height > SKY_SIZE[0] and width > SKY_SIZE[1] else rest
 
 
-def _cells_of_grid(rows: int, columns: int) -> list[np.ndarray]:
-    """For each cell of the sheet, row by row from below, triangles of a grid of quads (row by row from the top) that lie in
-    it, at most `CLOTH_SAMPLES`, evenly spread."""
+def _cells_of(pieces: Sequence[HangingPiece]) -> list[np.ndarray]:
+    """For each cell of the sheet, row by row from below, triangles of the pieces (of each quads row by row from the top) that lie
+    in it, at most `CLOTH_SAMPLES`, evenly spread."""
     nx, ny = PROXIES
-    quad = np.arange(rows * columns)
-    cell = (ny - 1 - quad // columns * ny // rows) * nx + quad % columns * nx // columns
+    cells = []
+    for piece in pieces:
+        quad = np.arange(piece.rows * piece.columns)
+        x = 0.5 + piece.shift + piece.width * (quad % piece.columns / piece.columns - 0.5)
+        across = np.clip((x * nx + 1e-9).astype(int), 0, nx - 1)
+        cells.append(np.repeat((ny - 1 - quad // piece.columns * ny // piece.rows) * nx + across, 2))
+    cell = np.concatenate(cells)
     out = []
     for k in range(nx * ny):
-        of_cell = np.flatnonzero(np.repeat(cell == k, 2))
+        of_cell = np.flatnonzero(cell == k)
         pick = np.unique(np.linspace(0, len(of_cell) - 1, min(CLOTH_SAMPLES, len(of_cell))).astype(int))
         out.append(of_cell[pick] if len(of_cell) else of_cell)
     return out

@@ -30,9 +30,9 @@ class Rims:
     ends: np.ndarray
     lists: np.ndarray
 
-    def with_sheet(self, width: float, height: float, z: float) -> Rims:
-        """And those of a flat cloth with two sides, at z and -z, from (0, -height) to (width, 0)."""
-        x, y = np.array([0.0, width, width, 0.0]), np.array([-height, -height, 0.0, 0.0])
+    def with_sheet(self, width: float, height: float, z: float, begin: float = 0.0) -> Rims:
+        """And those of a flat cloth with two sides, at z and -z, from (begin, -height) to (begin + width, 0)."""
+        x, y = begin + np.array([0.0, width, width, 0.0]), np.array([-height, -height, 0.0, 0.0])
         front = np.stack([x, y, np.full(4, z)], 1)
         front = np.stack([front, np.roll(front, -1, 0)], 1)
         back = front[:, ::-1] * [1.0, 1.0, -1.0]

@@ -18,6 +18,7 @@ from ..errors import InputError
 from ..files import PACKAGE, atomic_write, read_bytes
 from ..geometry.obj import read_obj
 from ..geometry.raw import MOST_BYTES
+from .curtains import panels_of
 from .hanging import CurtainParameters, pleated_rail
 
 ROOM = PACKAGE / "scenes" / "room.obj"
@@ -66,8 +67,12 @@ def load_room(path: str | Path = ROOM) -> Room:
     return Room(positions.astype(np.float32), data.material_of, reflectances, names)
 
 
-def with_rod(room: Room, width: float) -> Room:
-    """The built-in room with a rod for a rail of that length, m. Raises InputError where the walls are nearer."""
+def with_rod(room: Room, parameters: CurtainParameters) -> Room:
+    """The built-in room with a rod as long as the rail, and a second one where there are two curtains. Raises InputError where
+    the walls are nearer."""
+    width = parameters.width
+    if parameters.behind:
+        room = _with_second_rod(room, parameters)
     if width == CurtainParameters().width:
         return room
     if width > HIGH[0] - LOW[0] - 0.2:
@@ -79,6 +84,16 @@ def with_rod(room: Room, width: float) -> Room:
     rod = room.material == room.names.index("metal")
     positions[rod, :, 0] = np.sign(positions[rod, :, 0]) * np.float32(width / 2 + 0.08)
     return replace(room, positions=positions)
+
+
+def _with_second_rod(room: Room, parameters: CurtainParameters) -> Room:
+    """The rod of the front curtain is as the other one, as much further from the window as the folds are."""
+    front, *_, behind = panels_of(parameters)
+    z = [pleated_rail(panel.parameters, panel.parameters.quads[0] + 1)[:, 1] for panel in (front, behind)]
+    apart = np.float32((z[0].min() + z[0].max() - z[1].min() - z[1].max()) / 2)
+    rod = np.flatnonzero(room.material == room.names.index("metal"))
+    positions = np.concatenate([room.positions, room.positions[rod] + np.float32([0.0, 0.0, apart])])
+    return replace(room, positions=positions, material=np.concatenate([room.material, room.material[rod]]))
 
 
 Quad = tuple[str, np.ndarray]  # material, corners [4, 3] counter-clockwise seen from the side that faces the room

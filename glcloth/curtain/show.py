@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,15 @@ import moderngl
 import numpy as np
 
 from ..accel.triangles import PADDING, Triangles
+from ..color import luminance
 from ..errors import InputError
 from ..fabric import Fabric, load_fabric
 from ..geometry.camera import Camera
 from ..geometry.views import view_by_name
-from ..light.environment import Environment, load_environment
+from ..gpu.memo import Last
+from ..light.environment import Environment, load_environment, rotation_y
+from ..light.lights import Suns
+from ..light.suns import split_suns
 from ..progress import track
 from ..scene import CurtainParameters, Scene
 from ..tracing.denoise import check_denoiser, denoised
@@ -24,11 +29,12 @@ from ..tracing.path import PathSums, followed, samples_of
 from ..tracing.shot import MOST_SPP, HangingGrid, Shot, TraceSettings
 from ..tracing.tracer import Tracer
 from ..tracing.tree_view import TreeContent, draw_tree
+from .curtains import BEHIND, Curtains
 from .form_factors import SLICES, Sheet
-from .hanging import CurtainSimulation, pleated_rail
+from .hanging import pleated_rail
 from .paths import CurtainPaths
 from .photons import SOURCE, Grid, PhotonMap, Photons
-from .radiosity import Radiosity
+from .radiosity import HangingPiece, Radiosity
 from .room import ROOM, Room, load_room, with_rod
 
 CLOTH = 0  # the number of the cloth's material; the room's follow
@@ -82,13 +88,16 @@ class CurtainShow:
         self.ctx = ctx
         self.scene = scene = scene or Scene(curtain=CurtainParameters())
         self.fabric: Fabric = _fabric_of(scene)
+        self.behind: Fabric | None = _behind_of(scene)
         self.environment: Environment = environment or load_environment(scene.env, scene.layer, scene.env_layout)
         parameters = scene.curtain
         if parameters is None:
             raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
-        self.room: Room = load_room(scene.room) if scene.room else with_rod(load_room(ROOM), parameters.width)
+        self.room: Room = load_room(scene.room) if scene.room else with_rod(load_room(ROOM), parameters)
         self._room = scene.room, _changed_at(scene.room)
         if triangles is not None:
+            if parameters.open or parameters.behind:
+                raise InputError("--triangles: of a curtain of one piece; leave open and behind out")
             if triangles <= len(self.room.positions):
                 raise InputError(
                     f"--triangles {triangles}: the room alone has {len(self.room.positions)}; give more, 12786 for example"
@@ -96,33 +105,46 @@ class CurtainShow:
             if triangles - len(self.room.positions) != parameters.triangle_count:
                 parameters = parameters.with_triangles(triangles - len(self.room.positions))
         parameters = _with_openness(parameters, self.fabric)
-        self.simulation = CurtainSimulation(ctx, parameters, settle)
         self.frame = 0
-        room = len(self.room.positions)
-        cloth = 2 * (self.simulation.rows - 1) * (self.simulation.columns - 1)
-        reach = max(
-            float(np.abs(self.room.positions).max(initial=0.0)), parameters.width, parameters.top + parameters.drop
-        )
-        self.triangles = Triangles(ctx, room + cloth, max(reach, camera_of(scene).reach))
-        self.triangles.set(0, self.room.positions, material=self.room.material + CLOTH + 1)
         self.materials = np.concatenate([np.zeros((1, 3), np.float32), self.room.reflectances])
-        self._hung = Triangles(ctx, cloth, self.triangles.padding / PADDING)
         self._radiosity: Radiosity | None = None
         self._paths: CurtainPaths | None = None
         self._photons: PhotonMap | None = None
+        self._suns: Last[Suns] = Last()
         self._lit_frame = -1  # whose photons are there
+        with ExitStack() as made:  # what was made is freed where the rest cannot be
+            self._hang(parameters, settle, made)
+            made.pop_all()
+
+    def _hang(self, parameters: CurtainParameters, settle: bool, made: ExitStack) -> None:
+        """Hang the curtains in the room; `made` gets what must be freed."""
+        ctx, room = self.ctx, len(self.room.positions)
+        self.simulation = Curtains(ctx, parameters, settle, _openness(self.behind))
+        made.callback(self.simulation.release)
+        cloth = sum(self.simulation.triangle_counts)
+        reach = max(
+            float(np.abs(self.room.positions).max(initial=0.0)), parameters.width, parameters.top + parameters.drop
+        )
+        self.triangles = Triangles(ctx, room + cloth, max(reach, camera_of(self.scene).reach))
+        made.callback(self.triangles.release)
+        self.triangles.set(0, self.room.positions, material=self.room.material + CLOTH + 1)
+        self._hung = Triangles(ctx, cloth, self.triangles.padding / PADDING)
+        made.callback(self._hung.release)
         self.tracer = Tracer(ctx)
+        made.callback(self.tracer.release)
         self.tracer.set_scene(self.triangles, self.materials)
         self.moved()
 
     def moved(self) -> None:
         """Copy the curtain as it hangs now into the soup; the tree is out of date then."""
-        s = self.simulation
-        grid = s.rows, s.columns, s.position_buffer, s.normal_buffer, s.tangent_buffer, CLOTH
-        self.triangles.set_grid(len(self.room.positions), *grid)
-        if self.frame == 0:
-            # What light does among the folds is found without wind, so that a frame does not depend on how it was reached.
-            self._hung.set_grid(0, *grid)
+        first = 0
+        for s, count in zip(self.simulation.pieces, self.simulation.triangle_counts, strict=True):
+            grid = s.rows, s.columns, s.position_buffer, s.normal_buffer, s.tangent_buffer, CLOTH
+            self.triangles.set_grid(len(self.room.positions) + first, *grid)
+            if self.frame == 0:
+                # What light does among the folds is found without wind, so that a frame does not depend on how it was reached.
+                self._hung.set_grid(first, *grid)
+            first += count
         self._built: set[str] = set()
 
     def advance(self, frames: int = 1) -> None:
@@ -144,15 +166,16 @@ class CurtainShow:
 
         Raises InputError for wrong files and values.
         """
-        fabric, here = _fabric_of(scene), self.scene
-        same = scene.room == here.room and self.simulation.change(_with_openness(scene.curtain, fabric))
+        fabric, behind, here = _fabric_of(scene), _behind_of(scene), self.scene
+        parameters = _with_openness(scene.curtain, fabric)
+        same = scene.room == here.room and self.simulation.change(parameters, _openness(behind))
         if not same:
             return False
         if environment is not None:
             self.environment = environment
         elif any(getattr(scene, name) != getattr(here, name) for name in ("env", "layer", "env_layout")):
             self.environment = load_environment(scene.env, scene.layer, scene.env_layout)
-        self.scene, self.fabric, self._lit_frame = scene, fabric, -1
+        self.scene, self.fabric, self.behind, self._lit_frame = scene, fabric, behind, -1
         return True
 
     def goes_on_to(self, scene: Scene) -> bool:
@@ -203,36 +226,68 @@ class CurtainShow:
     def shot(self, other: Scene | None = None) -> Shot:
         """The scene as the tracer takes it; `other`: a scene whose fabric and rays to take for the same curtain."""
         s = other or self.scene
-        fabric = self.fabric if other is None else _fabric_of(other)
+        fabric, behind = (
+            (self.fabric, self.behind) if other is None else (_fabric_of(other), _behind_of(other) or self.behind)
+        )
         settings = TraceSettings(s.depth, min(s.spp, MOST_SPP), s.spread, s.cutoff, s.accelerator)
-        lighting = Lighting(Lamp(s.lamp_position, s.lamp_intensity), s.ambient)
-        return Shot(camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate, grid=self._grid())
+        lighting = Lighting(self._lamp(s), s.ambient)
+        others = ()
+        if behind is not None and self.simulation.has_behind:
+            others = ((len(self.room.positions) + self.simulation.first_of(BEHIND), behind),)
+        return Shot(
+            camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate, grid=self._grid(), others=others
+        )  # fmt: skip
+
+    def _lamp(self, scene: Scene) -> Lamp:
+        """What shines in: the scene's lamp, or the brightest sun of the map."""
+        if scene.sun == "lamp":
+            return Lamp(scene.lamp_position, scene.lamp_intensity)
+        suns = self._suns.get(lambda: split_suns(self.environment.radiance)[0], self.environment)
+        turned = suns.rotated(rotation_y(scene.env_rotate))
+        bright = luminance(turned.irradiance) * (turned.direction[:, 2] < 0.0)
+        if not bright.max(initial=0.0) > 0.0:
+            return Lamp((0.0, 0.0, -1.0), (0.0, 0.0, 0.0))
+        brightest = int(bright.argmax())
+        radius = np.broadcast_to(turned.radius, len(turned))[brightest]
+        return Lamp.of_sun(turned.direction[brightest], turned.irradiance[brightest], float(radius))
 
     def _grid(self) -> HangingGrid:
         """How the curtain lies on its weave, and about where it hangs."""
-        m = self.simulation.parameters
-        size = m.width * m.fullness / m.quads[0], m.drop / m.quads[1]
+        m, s = self.simulation.parameters, self.simulation
+        spacing = s.cloth.parameters.spacing
         low, high = (-0.6 * m.width, m.top - m.drop, -0.5), (0.6 * m.width, m.top, 0.5)
-        return HangingGrid(len(self.room.positions), self.simulation.columns - 1, size, low, high)
+        pieces = s.first_of(BEHIND) // s.triangle_counts[0] if s.has_behind else len(s.pieces)
+        return HangingGrid(len(self.room.positions), s.columns - 1, spacing, low, high, s.triangle_counts[0], pieces)
 
-    def picture(self) -> np.ndarray:
-        """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first."""
+    def picture(self, parted: bool = False) -> np.ndarray:
+        """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first.
+
+        parted : keep kinds of light apart, which `tracer.parts` then has; not by method path
+        """
         if self.scene.method == "path":
             if self.scene.denoise:
                 check_denoiser()
             sums = self.path_sums()
             return (denoised(sums) if self.scene.denoise else sums.picture)[..., :3]
         self.build()
-        return self.tracer.trace(self.lit(self.shot()))
+        return self.tracer.trace(dataclasses.replace(self.lit(self.shot()), parted=parted))
 
     @property
     def radiosity(self) -> Radiosity:
         """The light around the room, made at first use."""
         if self._radiosity is None:
+            if self.simulation.has_behind:
+                raise InputError(
+                    "gi radiosity: of one curtain, which is a flat sheet there; leave behind out, or take gi photons or off"
+                )
             m, s = self.simulation.parameters, self.simulation
-            z = float(pleated_rail(m, s.columns)[:, 1].mean())
-            sheet = Sheet(-m.width / 2, m.upper - m.drop, m.width / 2, m.upper, z)
-            self._radiosity = Radiosity(self.ctx, self.room, sheet, self._hung, (s.rows - 1, s.columns - 1))
+            rails = [pleated_rail(one.parameters, one.columns)[:, 1].mean() for one in s.pieces]
+            sheet = Sheet(-m.width / 2, m.upper - m.drop, m.width / 2, m.upper, float(np.mean(rails)))
+            grids = [
+                HangingPiece(one.rows - 1, one.columns - 1, panel.shift / m.width, panel.parameters.width / m.width)
+                for one, panel in zip(s.pieces, s.panels, strict=True)
+            ]
+            self._radiosity = Radiosity(self.ctx, self.room, sheet, self._hung, grids)
         return self._radiosity
 
     @property
@@ -249,7 +304,7 @@ class CurtainShow:
         """
         s, paths = self.scene, self.paths
         samples = samples_of(s.spp, s.noise)
-        steps = paths.steps(self.simulation.mesh(), self.shot(), samples, s.noise, vertices)
+        steps = paths.steps(self.simulation.meshes(), self.shot(), samples, s.noise, vertices)
         for _ in followed(steps, paths.tracer.batch, samples, s.noise):
             pass
         return paths.tracer.sums()
@@ -280,7 +335,8 @@ class CurtainShow:
         """The photons of the room and the curtain, made at first use."""
         if self._photons is None:
             s = self.simulation
-            self._photons = PhotonMap(self.ctx, self.room, Grid(s.rows - 1, s.columns - 1, s.cloth.parameters.spacing))
+            grids = [Grid(one.rows - 1, one.columns - 1, one.cloth.parameters.spacing) for one in s.pieces]
+            self._photons = PhotonMap(self.ctx, self.room, *grids)
         return self._photons
 
     def _renewed(self, shot: Shot, photons: Photons) -> Callable[[int], Iterator[Mapping[str, Any]]]:
@@ -405,6 +461,24 @@ def _fabric_of(scene: Scene) -> Fabric:
     fabric = load_fabric(scene.fabric)
     color = scene.curtain.color if scene.curtain else None
     return fabric if color is None else fabric.colored(color)
+
+
+def _behind_of(scene: Scene) -> Fabric | None:
+    """The fabric of a scene's second curtain, in its colour; None without one."""
+    curtain = scene.curtain
+    if curtain is None or not curtain.behind:
+        return None
+    fabric = load_fabric(curtain.behind)
+    if fabric.transmission is None:
+        raise InputError(
+            f"curtain: behind {fabric.name}: has no [transmission]; add the block, or take blackout or sheer_voile"
+        )
+    return fabric if curtain.behind_color is None else fabric.colored(curtain.behind_color)
+
+
+def _openness(fabric: Fabric | None) -> float:
+    """The share of a fabric that lets air through."""
+    return 0.0 if fabric is None or fabric.transmission is None else fabric.transmission.openness
 
 
 def _with_openness(parameters: CurtainParameters, fabric: Fabric) -> CurtainParameters:

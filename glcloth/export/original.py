@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import map_coordinates
 
 from ..color import luminance
 from ..fabric import Fabric
@@ -15,6 +16,12 @@ from ..twins.cloth import f_cloth
 Response = Callable[[np.ndarray, np.ndarray], np.ndarray]  # (omega_i, omega_o [..., 3]) -> f cos(theta_i), [..., 3]
 LOWEST = np.cos(np.radians(85.0))  # cosine of views and lights: beyond, all models guess
 AT_ONCE = 20_000  # pairs
+NODES = 96  # places across a ball's picture at which it is computed
+
+
+def _said(percent: float) -> str:
+    """Two figures, without an exponent."""
+    return f"{percent:.0f}" if percent >= 10.0 else f"{percent:.2g}"
 
 
 def response(fabric: Fabric) -> Response:
@@ -54,8 +61,8 @@ class Errors:
 
     def __str__(self) -> str:
         return (
-            f"differs by {self.studio[0]:.2g} % (95 %: {self.studio[1]:.2g} %) under the studio, "
-            f"by {self.sun[0]:.2g} % (95 %: {self.sun[1]:.2g} %) under single suns"
+            f"differs by {_said(self.studio[0])} % (95 %: {_said(self.studio[1])} %) under the studio, "
+            f"by {_said(self.sun[0])} % (95 %: {_said(self.sun[1])} %) under single suns"
         )
 
     def as_dict(self) -> dict:
@@ -104,24 +111,38 @@ def _spread(test: np.ndarray, truth: np.ndarray) -> tuple[float, float]:
     return float(100 * apart.mean()), float(100 * np.percentile(apart, 95))
 
 
-def sphere_pictures(model: Response, fabric: Fabric, side: int = 72) -> np.ndarray:
-    """The original and the model on a ball in the studio, beside each other; [side, 2 side, 3], linear."""
+def sphere_pictures(model: Response, fabric: Fabric, side: int = 256) -> np.ndarray:
+    """The original and the model on a ball in the studio, beside each other; [side, 2 side, 3], linear.
+
+    The radiance is computed at NODES x NODES places, up to the rim, and interpolated: a ball has no finer detail.
+    """
     original = response(fabric)
-    y, x = np.meshgrid(*(np.linspace(1, -1, side), np.linspace(-1, 1, side)), indexing="ij")
-    on = x * x + y * y < 0.98
-    N = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], -1)[on]
+    x, y = np.meshgrid(np.linspace(-1, 1, NODES), np.linspace(1, -1, NODES))
+    inward = np.minimum(1.0, 0.99 / np.maximum(np.hypot(x, y), 1e-9))  # places off the ball have the light of its rim
+    x, y = (x * inward).ravel(), (y * inward).ravel()
+    N = np.stack([x, y, np.sqrt(1.0 - x * x - y * y)], -1)
     t = np.cross([0.0, 1.0, 0.0], N)
     t /= np.linalg.norm(t, axis=1, keepdims=True)
     frames = np.stack([t, np.cross(N, t), N], 1)  # rows: yarn 1, yarn 2, normal
     views = frames @ np.array([0.0, 0.0, 1.0])
     directions, flux = _studio()
-    lit = directions @ np.swapaxes(frames, 1, 2)  # [pixels, directions, 3]
-    seen = np.broadcast_to(views[:, None], lit.shape)
-    above = lit[..., 2] > 0.0
-    pictures = []
-    for f in (original, model):
-        values, picture = np.zeros(lit.shape), np.zeros((side, side, 3))
-        values[above] = f(lit[above], seen[above])
-        picture[on] = (values * flux).sum(1)
-        pictures.append(picture)
-    return np.concatenate(pictures, 1)
+    pictures = [np.zeros((len(N), 3)) for _ in range(2)]
+    for part in np.array_split(np.arange(len(N)), 8):
+        lit = directions @ np.swapaxes(frames[part], 1, 2)  # [places, directions, 3]
+        seen = np.broadcast_to(views[part][:, None], lit.shape)
+        above = lit[..., 2] > 0.0
+        for f, picture in zip((original, model), pictures, strict=True):
+            values = np.zeros(lit.shape)
+            values[above] = f(lit[above], seen[above])
+            picture[part] = (values * flux).sum(1)
+    return np.concatenate([_disc(picture.reshape(NODES, NODES, 3), side) for picture in pictures], 1)
+
+
+def _disc(nodes: np.ndarray, side: int) -> np.ndarray:
+    """A ball's picture [side, side, 3] from values at places over its square, with a smooth rim."""
+    place = (np.arange(side) + 0.5) / side
+    row, column = np.meshgrid(place * (NODES - 1), place * (NODES - 1), indexing="ij")
+    values = np.stack([map_coordinates(nodes[..., c], [row, column], order=3) for c in range(3)], -1)
+    x, y = np.meshgrid(2 * place - 1, 1 - 2 * place)
+    cover = np.clip((0.98 - np.hypot(x, y)) * side / 2 + 0.5, 0.0, 1.0)
+    return np.maximum(values, 0.0) * cover[..., None]

@@ -1,5 +1,7 @@
 """Processes on this machine that share a job, picture by picture; one that dies costs its picture, which another makes.
 
+They are forked from one that has loaded glcloth and has never touched OpenGL, so that none of them loads it again.
+
 A job has `pictures(numbers)`, which yields the pictures of ascending numbers, `write(number, picture)`, which gives a
 plain result, and `file(number)`. It travels to the processes by pickle.
 """
@@ -22,12 +24,15 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from ..errors import DriverError, InputError, NoOpenGLError, ShaderError
 from ..progress import warn
 
 DEATHS = 3  # of the processes that had a picture in hand, until the picture is given up
 WARNING = "glcloth: warning: "
+# What the process that others are forked from loads, once for all of them.
+LOADED = ["glcloth.farm.film", "glcloth.farm.sweep", "glcloth.weave.named", "OpenEXR", "glcontext"]
 # Errors that are the same ones here as in a process.
 KINDS = {kind.__name__: kind for kind in (InputError, NoOpenGLError, ShaderError, DriverError, MemoryError)}
 
@@ -76,9 +81,11 @@ class _Crew:
 
     def hire(self) -> None:
         """Start a process, and give it a picture."""
-        ours, theirs = multiprocessing.get_context("spawn").Pipe()
-        process = multiprocessing.get_context("spawn").Process(target=_work, args=(theirs, self.job), daemon=True)
-        with _surroundings(self.threads):
+        context = multiprocessing.get_context("forkserver")
+        context.set_forkserver_preload(LOADED)
+        ours, theirs = context.Pipe()
+        process = context.Process(target=_work, args=(theirs, self.job, self.threads), daemon=True)
+        with _deaf():
             process.start()
         theirs.close()
         self.hands[ours] = process, None
@@ -146,10 +153,8 @@ class _Crew:
 
 
 @contextlib.contextmanager
-def _surroundings(threads: int) -> Iterator[None]:
-    """What a process inherits: the number of threads, and deafness to Ctrl-C, which whoever starts it hears."""
-    unset = "LP_NUM_THREADS" not in os.environ
-    os.environ.setdefault("LP_NUM_THREADS", str(threads))
+def _deaf() -> Iterator[None]:
+    """What is started meanwhile does not hear Ctrl-C, which whoever starts it hears."""
     deaf = threading.current_thread() is threading.main_thread()
     before = signal.signal(signal.SIGINT, signal.SIG_IGN) if deaf else None
     try:
@@ -157,8 +162,6 @@ def _surroundings(threads: int) -> Iterator[None]:
     finally:
         if deaf:
             signal.signal(signal.SIGINT, before)
-        if unset:
-            del os.environ["LP_NUM_THREADS"]
 
 
 # -- in the process --------------------------------------------------------------------------------------------------
@@ -179,14 +182,16 @@ class _Told(io.TextIOBase):
         return len(text)
 
 
-def _work(pipe: Connection, job: Job) -> None:
-    """Make pictures until no number comes."""
+def _work(pipe: Connection, job: Job, threads: int) -> None:
+    """Make pictures until no number comes, on so many threads of Mesa's and of the algebra's."""
     sys.stderr = _Told(pipe)
+    os.environ.setdefault("LP_NUM_THREADS", str(threads))
     feed = _Feed(pipe)
     try:
-        while feed.more():
-            for picture in job.pictures(feed.ascending()):
-                pipe.send(("done", job.write(feed.number, picture)))
+        with threadpool_limits(threads, user_api="blas"):
+            while feed.more():
+                for picture in job.pictures(feed.ascending()):
+                    pipe.send(("done", job.write(feed.number, picture)))
     except EOFError:
         pass
     except tuple(KINDS.values()) as error:

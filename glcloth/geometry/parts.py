@@ -49,6 +49,7 @@ def chosen(meshes: Sequence[Mesh], patterns: Sequence[str], what: str = "fabrics
             by_case = {name.casefold(): name for name in known}
             close = difflib.get_close_matches(pattern.casefold(), by_case, 1, 0.5)
             hint = f"; did you mean {by_case[close[0]]}?" if close else ""
+            hint += "; a colour of a fabric mask is #rgb or #rrggbb" if pattern.startswith("#") and not hint else ""
             raise InputError(f"{what}: no part is called {pattern}, expected {listed}{hint}")
 
     def best(names: Names) -> int:

@@ -12,10 +12,12 @@ import numpy as np
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from .buffers import TextureBuffer, read_texture
+from .context_local import of_context
 from .covered import Covered
 from .memo import Last
 from .programs import Compute, Draw, Inputs, programs
 from .screen import draw_screen
+from .tally import Tally
 
 VERTEX_TEXELS = 3  # position, normal, tangent
 FRAMES = {"frame_N": 4, "frame_x": 4, "frame_p": 4, "frame_b": 2}  # of passes/picture/surface.frag: components
@@ -141,6 +143,18 @@ class GBuffer:
         self._covered: dict[bool | None, Covered] = {}  # of the whole picture, and of its parts
         self._owns_color = color is None
         self._some: dict[bool, tuple[moderngl.Texture, moderngl.Framebuffer, Last[None]]] = {}
+
+    def triangle_at(self, column: int, row: int) -> int | None:
+        """The triangle that a pixel sees, counted from the bottom left one; None: it sees none."""
+        counted = of_context(Tally, self.ctx)
+
+        def alpha(name: str) -> float:
+            place = list(FRAMES).index(name)
+            texel = self.frames.read((column, row, 1, 1), 4, attachment=place, dtype="f4")
+            counted.read(len(texel))
+            return float(np.frombuffer(texel, "f4")[3])
+
+        return None if alpha("frame_N") == 0.0 else int(alpha("frame_p"))
 
     # -- drawing -----------------------------------------------------------------------------------------------------
 

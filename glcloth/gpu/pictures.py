@@ -46,25 +46,25 @@ def picture_array(ctx: moderngl.Context, layers: np.ndarray) -> moderngl.Texture
         raise InputError(
             f"{count} different pictures on the objects, expected at most {most} on this device; leave some out"
         )
-    level = np.ones((count, height, width, 4), np.float32)
-    level[..., :channels] = layers
     texture = ctx.texture_array((width, height, count), 4, dtype="f2")
     texture.build_mipmaps()  # makes room
     texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
     GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, texture.glo)
-    number = 0
-    while True:
-        data = np.ascontiguousarray(np.minimum(level, 65504.0), "f2")
-        GL.glTexSubImage3D(
-            GL.GL_TEXTURE_2D_ARRAY, number, 0, 0, 0, level.shape[2], level.shape[1], count, GL.GL_RGBA, GL.GL_HALF_FLOAT,
-            data.tobytes(),
-        )  # fmt: skip
-        if level.shape[1] == level.shape[2] == 1:
-            break
-        if level.shape[1] > 1:
-            level = 0.5 * (level[:, ::2] + level[:, 1::2])
-        if level.shape[2] > 1:
-            level = 0.5 * (level[:, :, ::2] + level[:, :, 1::2])
-        number += 1
+    for k, layer in enumerate(layers):  # one after the other, for memory
+        level, number = np.asarray(layer, np.float32), 0
+        while True:
+            data = np.ones((*level.shape[:2], 4), "f2")
+            data[..., :channels] = np.minimum(level, 65504.0)
+            GL.glTexSubImage3D(
+                GL.GL_TEXTURE_2D_ARRAY, number, 0, 0, k, level.shape[1], level.shape[0], 1, GL.GL_RGBA,
+                GL.GL_HALF_FLOAT, data,
+            )  # fmt: skip
+            if level.shape[0] == level.shape[1] == 1:
+                break
+            if level.shape[0] > 1:
+                level = 0.5 * (level[::2] + level[1::2])
+            if level.shape[1] > 1:
+                level = 0.5 * (level[:, ::2] + level[:, 1::2])
+            number += 1
     GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, 0)
     return texture

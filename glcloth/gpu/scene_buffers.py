@@ -45,6 +45,7 @@ def light_records(lights: Lights) -> bytes:
     )
     records = np.zeros(suns, struct("Sun"))
     records["omega"][: len(lights.suns)] = lights.suns.direction
+    records["sin_radius"][: len(lights.suns)] = np.sin(lights.suns.radius)
     records["E"][: len(lights.suns)] = lights.suns.irradiance
     return gaussians.tobytes() + records.tobytes()
 

@@ -1,8 +1,7 @@
 """How far shading by lights is from shading by their map, measured: fabrics in random frames, lit by both.
 
 The error that `fit.predicted_error` expects is a root mean square over frames by harmonics up to a degree, in which
-suns are points on both sides. A sun that stands for a lamp near the horizon of a frame is the wider fault, and shows in
-the upper percentiles.
+suns are points on both sides. Here a sun is a disc, as the methods shade it, and stands for its lamp's own texels.
 """
 
 from __future__ import annotations
@@ -13,6 +12,7 @@ from ..color import luminance
 from ..fabric import Fabric, load_fabric
 from ..progress import track
 from ..twins.cloth import f_cloth
+from ..twins.sun_disc import disc_directions
 from . import equirect
 from .environment import Environment
 from .lights import Lights, SphericalGaussians, as_lights
@@ -21,6 +21,7 @@ from .suns import split_suns
 FABRICS = ("linen", "silk_crepe_de_chine", "satin_charmeuse_front", "velvet")
 FINE_ROWS = 512  # of the map, for lamps
 FRAMES = 100
+DISC_POINTS = 64  # of a sun
 LOWEST = 0.15  # cosine of a view: lower ones are dark and seldom seen
 
 
@@ -69,11 +70,13 @@ def _both(environment: Environment, lights: Lights, rows: int) -> tuple[np.ndarr
     lamps = equirect.direction_from_uv((column + 0.5) / (2 * height), (row + 0.5) / height)
     lamp_flux = excess[row, column] * equirect.row_solid_angles(height, 2 * height)[row, None]
     suns = lights.suns
-    none = (np.zeros((len(lamps), 3)), np.zeros((len(suns), 3)))
-    directions = np.concatenate([omega, lamps.reshape(-1, 3), suns.direction])
+    discs = [disc_directions(*sun, DISC_POINTS) for sun in zip(suns.direction, suns.radius, strict=True)]
+    none = (np.zeros((len(lamps), 3)), np.zeros((DISC_POINTS * len(suns), 3)))
+    directions = np.concatenate([omega, lamps.reshape(-1, 3), *discs])
     of_map = np.concatenate([broad * angle, lamp_flux.reshape(-1, 3), none[1]])
     # Means over the texels, as the map's: the sharpest lobes are narrower than a texel.
     fine = lights.gaussians.radiance(equirect.texel_directions(4 * rows, 8 * rows))
     gaussians = equirect.resize(fine.astype(np.float32), rows, 2 * rows).reshape(-1, 3)
-    of_lights = np.concatenate([gaussians * angle, none[0], suns.irradiance])
+    of_suns = np.repeat(suns.irradiance / DISC_POINTS, DISC_POINTS, axis=0)
+    of_lights = np.concatenate([gaussians * angle, none[0], of_suns])
     return directions, of_map, of_lights

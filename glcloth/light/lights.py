@@ -82,8 +82,8 @@ class SphericalGaussians:
 
 @dataclass(frozen=True)
 class Suns:
-    """Directional lights: discs so far away that they look the same from everywhere. Fabrics are lit by their middles; their
-    shadows are as soft as the discs are wide.
+    """Directional lights: discs so far away that they look the same from everywhere. What the horizon of a fabric cuts off them
+    does not light it; their shadows are as soft as the discs are wide.
 
     Parameters
     ----------

@@ -54,7 +54,9 @@ def blackbody(kelvin: float) -> np.ndarray:
 
 # Clear sky --------------------------------------------------------------------------------------------------------
 
-SUN_RADIUS = np.radians(0.2665)  # mean angular radius; its solid angle is 6.8e-5 sr
+PAINTED_SUN = np.radians(
+    0.2665
+)  # radius of the disc in the map, the sun's mean one, 6.8e-5 sr; split off it has lights.SUN_RADIUS
 SUN_DIRECTION = np.array([-0.55, 0.70, 0.62]) / np.linalg.norm([-0.55, 0.70, 0.62])  # 40 degrees high, front left
 TURBIDITY = 2.8
 # The ground, as far as one sees it: pale sand and dry grass, of luminance 0.18 in the mean, from the height of a child's eye
@@ -120,7 +122,7 @@ def sun_irradiance(sun: np.ndarray = SUN_DIRECTION, turbidity: float = TURBIDITY
     beta = 0.04608 * turbidity - 0.04586
     micrometres = NANOMETRES * 1e-3
     transmitted = np.exp(-m * (0.008735 * micrometres**-4.08 + beta * micrometres**-1.3))
-    solid_angle = 2 * np.pi * (1 - np.cos(SUN_RADIUS))
+    solid_angle = 2 * np.pi * (1 - np.cos(PAINTED_SUN))
     return _photometric_rgb(_planck(NANOMETRES, 5778.0) * transmitted) * solid_angle * 1e-3
 
 
@@ -138,7 +140,7 @@ def sky() -> np.ndarray:
     level = np.stack([down[..., 0], np.zeros(down.shape[:2]), down[..., 2]], -1)
     haze = clear_sky(level / np.linalg.norm(level, axis=-1, keepdims=True))
     radiance[HEIGHT // 2 :] = left * haze + (1.0 - left) * ground_albedo(down) / np.pi * horizontal
-    radiance += _disc(SUN_DIRECTION, SUN_RADIUS)[..., None] * sun
+    radiance += _disc(SUN_DIRECTION, PAINTED_SUN)[..., None] * sun
     return (radiance / KILOCANDELA_PER_UNIT).astype(np.float32)
 
 

@@ -28,7 +28,7 @@ from .settings import Settings
 CHUNK = 256
 TRACED_CHUNK = 16  # their rays have loops too, through eight sheets of cloth at most: together below 65,535 rounds
 LIT_CHUNK = 2  # directions that light the vertices at a time: a caller in between waits for no more
-SUN_POINTS = 64  # directions of a sun's disc, where it casts shadows
+SUN_POINTS = 64  # directions of a sun's disc
 BOUNCE_CUBE = 16  # edge of the cube map that lights the vertices for a bounce: irradiance is smooth
 
 
@@ -71,6 +71,7 @@ class Reference(Method):
         # With shadows: what rays meet, and with a bounce the irradiance of the vertices.
         self._geometry: Geometry = None  # type: ignore[assignment]  # `set_geometry` follows where it is read
         self._sun_directions = 0  # the last ones
+        self._cube_from_world = np.eye(3)
         self._mirror_sharpness = 1.0  # of what sheer cloth mirrors
         self._vertex_lights, self._irradiance = TextureBuffer(ctx, 16), TextureBuffer(ctx, 16)
         self._light: tuple = ()  # what the irradiance is of, beside the geometry,
@@ -127,9 +128,11 @@ class Reference(Method):
         # Maps and lights are frozen, so the same object means the same light.
         source = settings.environment if settings.light == "map" else lights
         rotation = None if settings.rotation is None else np.asarray(settings.rotation, float).tobytes()
+        turned = settings.light == "map" and settings.rotation is not None
+        self._cube_from_world = np.asarray(settings.rotation).T if turned else np.eye(3)
         self._light = settings.light, source, rotation, min(settings.cube, BOUNCE_CUBE)
         self._bounce_light = partial(self._directions, lights, settings, min(settings.cube, BOUNCE_CUBE))
-        points = SUN_POINTS if self.traced and settings.light != "map" else 1
+        points = SUN_POINTS if settings.light != "map" and np.any(lights.suns.radius) else 1
         # About four directions are within it.
         self._mirror_sharpness = 6 * settings.cube**2 / 8
         self._sun_directions = 0 if settings.light == "map" else points * len(lights.suns)
@@ -220,7 +223,11 @@ class Reference(Method):
 
     def inputs(self) -> dict[str, Any]:
         """What the pass file and passes/picture/lambert.frag read, but for the range of a pass."""
-        own = {"direction_data": self._data, "mirror_sharpness": self._mirror_sharpness}
+        own = {
+            "direction_data": self._data,
+            "mirror_sharpness": self._mirror_sharpness,
+            "cube_from_world": self._cube_from_world,
+        }
         if not self.traced:
             return own
         return {

@@ -81,13 +81,13 @@ class Dressing:
         """
         colors = mask_colors(fabrics)
         masks = masks or {}
-        self._checked.get(lambda: check_colors(masks, colors), *masks.values(), tuple(colors))
         of_colors = [fabrics[color] for color in colors]
         fabrics = {part: one for part, one in fabrics.items() if part not in colors}
         wardrobe = [fabric, *fabrics.values()]
         # Equal fabrics are one: the first of them.
         first = [next(i for i, other in enumerate(wardrobe) if other is one or other == one) for one in wardrobe]
         worn = [[first[n + 1] for n in of] for of in chosen(meshes, list(fabrics))]
+        self._checked.get(lambda: check_colors(masks, colors), *masks.values(), tuple(colors))
         printed, prints_of = _named(meshes, prints or {}, "prints")
         opened, opacities_of = _named(meshes, opacities or {}, "opacities")
         masked, masks_of = _named(meshes, masks, "fabric_masks")
@@ -96,6 +96,9 @@ class Dressing:
         groups = tuple(tuple(map(kinds.index, of)) for of in looks)
         pieces = self._grouped.get(lambda: grouped(meshes, groups), meshes, groups)
         cloths = []
+        self._split = {
+            place: self._split.get(place, Last()) for place, (n, _) in enumerate(pieces) if masks_of[kinds[n][3]]
+        }
         for place, (number, mesh) in enumerate(pieces):
             dress, design, openings, mask = kinds[number]
             one = Cloth(mesh, wardrobe[dress], prints_of[design], opacities_of[openings])
@@ -120,7 +123,7 @@ class Dressing:
             scale = (uv_scale or guessed_scale(cloth.mesh)) if mask.in_metres else 1.0
             return split(cloth.mesh, mask, colors, scale)
 
-        made = self._split.setdefault(place, Last()).get(pieces, cloth.mesh, mask, tuple(colors), uv_scale)
+        made = self._split[place].get(pieces, cloth.mesh, mask, tuple(colors), uv_scale)
         worn = [cloth.fabric, *fabrics]
         return [replace(cloth, mesh=mesh, fabric=worn[number], mask=of) for number, mesh, of in made]
 

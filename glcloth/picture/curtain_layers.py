@@ -1,6 +1,6 @@
-"""Layers for compositing of the curtain: what the camera's rays meet first.   [own]
+"""Layers for compositing of the curtain: what the camera's rays meet first, and the kinds of light that they bring.   [own]
 
-They are of geometry alone. Light of the curtain is traced in one sum, and what shines through its holes has no depth of its own.
+What shines through the curtain's holes has no depth of its own; its light is that of `transmission`.
 """
 
 from __future__ import annotations
@@ -15,27 +15,37 @@ from ..curtain.show import CLOTH, CurtainShow, camera_of
 from ..errors import InputError
 from ..geometry.camera import Camera, lens_samples, sample_offsets
 from ..progress import check_stopped
+from ..tracing.energy import mean_albedo, reflection_limit
 from ..twins.octahedron import from_octahedral
-from .layers import CHANNELS, CRYPTOMATTE, FAR, Layers
+from .layers import CHANNELS, CRYPTOMATTE, FAR, LIGHT, Layers
 
 RAYS = 1 << 18  # at a time
 PATH_SAMPLES = 16  # of method path, whose own may be a million
-OF_CURTAIN = ("depth", "normal", "position", "uv", "mask", "cryptomatte")
 
 
-def check_names(names: Sequence[str]) -> None:
-    """Raise InputError for layers that the curtain has not."""
-    if wrong := [name for name in names if name not in OF_CURTAIN]:
-        raise InputError(f"aov {wrong[0]}: not of the curtain, which has {','.join(OF_CURTAIN)}; leave it out")
+def check_names(names: Sequence[str], method: str) -> None:
+    """Raise InputError for layers of light where method path traces the curtain: its paths are one sum."""
+    if method == "path" and (wrong := [name for name in names if name in LIGHT]):
+        raise InputError(
+            f"aov {wrong[0]}: method path keeps kinds of light in one sum; take method trace, or leave it out"
+        )
 
 
 def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray) -> Layers:
-    """The layers of a picture of the curtain as it hangs, with the samples of its scene; by method path with PATH_SAMPLES."""
+    """The layers of a picture of the curtain as it hangs, with the samples of its scene; by method path with PATH_SAMPLES.
+
+    Layers of light are those of the tracer's last picture, which was made with `parted`.
+    """
     scene, camera = show.scene, camera_of(show.scene)
     width, height = scene.size
     soup = _Soup(show)
     queries = RayQueries(show.ctx)
-    sums = {name: np.zeros((height * width, len(CHANNELS[name]))) for name in names if name in CHANNELS}
+    light = show.tracer.parts(scene.size) if set(names) & set(LIGHT) else {}
+    sums = {
+        name: np.zeros((height * width, len(CHANNELS[name])))
+        for name in names
+        if name in CHANNELS and name not in LIGHT
+    }
     cover = np.zeros((height * width, len(soup.names))) if "cryptomatte" in names else None
     spp = PATH_SAMPLES if scene.method == "path" else scene.spp
     step = max(1, RAYS // width)
@@ -59,6 +69,9 @@ def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray)
     out = Layers()
     out["beauty"] = picture
     for name in names:
+        if name in light:
+            out[name] = light[name]
+            continue
         if name in sums:
             array = sums[name].astype(np.float32).reshape(height, width, -1)
             out[name] = array[..., 0] if array.shape[-1] == 1 else array
@@ -93,6 +106,7 @@ class _Soup:
         ]
         low, high = (packed & 0xFFFF).astype(np.uint16).view(np.int16), (packed >> 16).astype(np.uint16).view(np.int16)
         self._normals = from_octahedral(np.stack([low, high], -1) / 32767.0)
+        self._cloth_albedo = mean_albedo(show.fabric) * reflection_limit(show.fabric)
         self.names = ["curtain", *room.names]
         self.thing = np.zeros(show.triangles.count, int)
         self.thing[: self.first] = room.material + CLOTH + 1
@@ -107,6 +121,8 @@ class _Soup:
             return x
         if name == "mask":
             return cloth[:, None].astype(float)
+        if name == "albedo":
+            return np.where(cloth[:, None], self._cloth_albedo, self._show.materials[self.thing[triangles]])
         if name == "normal":
             N = (self._normals[triangles] * w).sum(1)
             N /= np.maximum(np.linalg.norm(N, axis=1, keepdims=True), 1e-12)
@@ -116,10 +132,17 @@ class _Soup:
     def _uv(self, triangles: np.ndarray) -> np.ndarray:
         """UVs [N, 3, 2] of the corners of cloth, in metres as it lies flat: passes/accel/gather_grid.comp has their order."""
         simulation = self._show.simulation
-        rows, columns, parameters = simulation.rows, simulation.columns, simulation.parameters
-        quad, second = np.divmod(triangles, 2)
-        row, column = np.divmod(quad, columns - 1)
-        places = np.array([[[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 0], [1, 1]]])[second]  # row, column of each corner
-        u = (column[:, None] + places[..., 1]) / (columns - 1) * parameters.width * parameters.fullness
-        v = (1.0 - (row[:, None] + places[..., 0]) / (rows - 1)) * parameters.drop
-        return np.stack([u, v], -1)
+        out, first = np.zeros((len(triangles), 3, 2)), 0
+        for piece, count in zip(simulation.pieces, simulation.triangle_counts, strict=True):
+            here = (triangles >= first) & (triangles < first + count)
+            parameters = piece.parameters
+            quad, second = np.divmod(triangles[here] - first, 2)
+            row, column = np.divmod(quad, piece.columns - 1)
+            places = np.array([[[0, 0], [1, 0], [0, 1]], [[0, 1], [1, 0], [1, 1]]])[
+                second
+            ]  # row, column of each corner
+            u = (column[:, None] + places[..., 1]) / (piece.columns - 1) * parameters.width * parameters.fullness
+            v = (1.0 - (row[:, None] + places[..., 0]) / (piece.rows - 1)) * parameters.drop
+            out[here] = np.stack([u, v], -1)
+            first += count
+        return out

@@ -18,6 +18,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.mesh_files import BUILTIN_MESHES, load_mesh, load_view
 from ..geometry.parts import joined
 from ..geometry.props import Objects, arrange, load_solids
+from ..geometry.smoothed import smoothed
 from ..geometry.views import view_by_name
 from ..gpu.memo import Last
 from ..light.environment import Environment, load_environment, rotation_y
@@ -100,6 +101,7 @@ class Frames:
         self._files: dict[Any, Last] = {}
         self._dressing = Dressing()
         self._metres: Last[tuple[Mesh, ...]] = Last()
+        self._smooth: Last[tuple[Mesh, ...]] = Last()
         self._unit = "m"  # of the lengths in the cloths' files
         self._whole: Last[Mesh] = Last()
         self._fit: Last[Lights] = Last()
@@ -134,6 +136,9 @@ class Frames:
         if scene.curtain is not None:
             raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")
         meshes = tuple(one.mesh for one in cloths) or self._meshes(scene, mesh)
+        if scene.subdivide and not cloths:
+            read, times = meshes, scene.subdivide
+            meshes = self._smooth.get(lambda: tuple(smoothed(one, times) for one in read), read, times)
         cloths = tuple(cloths) or self._dressed(scene, meshes, fabric)
         whole = self._whole.get(lambda: joined(meshes), meshes)
         environment = self.environment(environment or scene.env, scene)

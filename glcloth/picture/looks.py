@@ -18,7 +18,7 @@ from ..gpu.pictures import even_size, picture_array, resampled
 from ..twins.gloss import gaussian_gloss_albedo, gloss_albedo
 
 TAPS = 8.0  # places at which a pixel reads a picture
-ALBEDO_SIDE = 24  # texels a side of the table of what gloss reflects
+ALBEDO_SIDE = 24  # values a side of the table of what gloss reflects; one between each two, for what Gaussians do
 MOST_TEXELS = 1 << 24  # of all pictures together, 128 MiB
 
 
@@ -104,9 +104,15 @@ class Looks:
 def _albedo_table(ctx: moderngl.Context) -> moderngl.Texture:
     """What inputs/picture/gloss.glsl reads: the shares of light that leave after one reflection, of directions and of Gaussians,
     for cosines t^2 along x and roughnesses along y, both from 0 to 1."""
-    t, roughness = (axis.ravel() for axis in np.meshgrid(*2 * [np.linspace(0.0, 1.0, ALBEDO_SIDE)]))
-    shares = np.stack([gloss_albedo(t**2, roughness**2, 48), gaussian_gloss_albedo(t**2, roughness**2)], -1)
-    table = ctx.texture((ALBEDO_SIDE, ALBEDO_SIDE), 2, shares.astype("f4").tobytes(), dtype="f4")
+    side = 2 * ALBEDO_SIDE - 1
+    places, all_places = np.linspace(0.0, 1.0, ALBEDO_SIDE), np.linspace(0.0, 1.0, side)
+    t, roughness = np.meshgrid(places, places)
+    coarse = gloss_albedo(t.ravel() ** 2, roughness.ravel() ** 2, 48).reshape(t.shape)
+    for axis in (0, 1):
+        coarse = np.apply_along_axis(lambda row: np.interp(all_places, places, row), axis, coarse)
+    t, roughness = np.meshgrid(all_places, all_places)
+    shares = np.stack([coarse, gaussian_gloss_albedo(t**2, roughness**2)], -1)
+    table = ctx.texture((side, side), 2, shares.astype("f4").tobytes(), dtype="f4")
     table.filter = moderngl.LINEAR, moderngl.LINEAR
     table.repeat_x = table.repeat_y = False
     return table

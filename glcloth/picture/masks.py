@@ -6,23 +6,54 @@ discarded. So a mask needs nothing of a method, and a place has one fabric, neve
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import moderngl
 import numpy as np
 
-from ..color import hex_codes
+from ..color import hex_codes, is_hex
 from ..errors import InputError
 from ..geometry.mesh import Mesh
 from ..geometry.parts import taken
-from ..image import decode_codes, read_image
+from ..image import decode_bytes, read_image
 from ..scene import ClothMap
 
-NEAR = 0.25  # of the codes' range in each channel: farther from a colour than this a place has not its fabric
+NEAR = 64  # of 255 codes in each channel: that far from a colour, or farther, a place has not its fabric
+BAND = 1 << 20  # texels at a time, for memory
 MOST_TEXELS = 8192  # a side; of larger pictures every second, third ... texel is taken
 PLACES = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [4, 4, 4]]) / np.array([[4], [4], [4], [12]])
 LISTED = 6  # colours that an error names
+
+
+class MaskTextures:
+    """The masks of a context on the GPU, each once, however many cloths it parts."""
+
+    def __init__(self, ctx: moderngl.Context):
+        self.ctx = ctx
+        self._held: dict[int, tuple[np.ndarray, moderngl.Texture, int]] = {}
+
+    def take(self, numbers: np.ndarray) -> moderngl.Texture:
+        """The texture of numbers [H, W] uint8, one user more."""
+        _, texture, users = self._held.get(id(numbers)) or (None, self._made(numbers), 0)
+        self._held[id(numbers)] = numbers, texture, users + 1
+        return texture
+
+    def give_back(self, numbers: np.ndarray) -> None:
+        """One user less; without any it is freed."""
+        _, texture, users = self._held.pop(id(numbers))
+        if users > 1:
+            self._held[id(numbers)] = numbers, texture, users - 1
+        else:
+            texture.release()
+
+    def _made(self, numbers: np.ndarray) -> moderngl.Texture:
+        height, width = numbers.shape
+        texture = self.ctx.texture((width, height), 1, np.ascontiguousarray(numbers), alignment=1, dtype="u1")
+        texture.filter = moderngl.NEAREST, moderngl.NEAREST
+        return texture
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +62,7 @@ class FabricMask:
 
     Parameters
     ----------
-    codes : [H, W, 3] 0 to 1, the first row at v = 0
+    codes : [H, W, 3] uint8, the first row at v = 0
     repeat : what one repeat covers, along u and v
     in_metres : whether that is in metres and not in UV units
     """
@@ -42,19 +73,33 @@ class FabricMask:
 
     def numbers(self, colors: Sequence[str]) -> np.ndarray:
         """Which colour each texel has [H, W]: 0 none of them, 1 the first of `colors`."""
-        nearest = np.full(self.codes.shape[:2], NEAR, np.float32)
-        out = np.zeros(nearest.shape, np.uint8)
-        for number, color in enumerate(colors, 1):
-            distance = np.abs(self.codes - np.array(hex_codes(color), np.float32)).max(-1)
-            out[distance < nearest] = number
-            nearest = np.minimum(nearest, distance)
+        out = np.zeros(self.codes.shape[:2], np.uint8)
+        wanted = [_codes(color) for color in colors]
+        for rows in self._bands():
+            codes, nearest = self.codes[rows].astype(np.int16), np.int16(NEAR)
+            for number, color in enumerate(wanted, 1):
+                distance = np.abs(codes - color).max(-1)
+                out[rows][distance < nearest] = number
+                nearest = np.minimum(nearest, distance)
         return out
+
+    def has(self, color: str) -> bool:
+        """Whether any place has a colour."""
+        wanted = _codes(color)
+        return any((np.abs(self.codes[rows].astype(np.int16) - wanted).max(-1) < NEAR).any() for rows in self._bands())
+
+    def _bands(self) -> list[slice]:
+        height, width = self.codes.shape[:2]
+        step = max(BAND // width, 1)
+        return [slice(first, first + step) for first in range(0, height, step)]
 
     def common(self) -> str:
         """Its commonest colours, for an error."""
-        codes = np.rint(255.0 * self.codes.reshape(-1, 3)).astype(int)
-        keys, counts = np.unique(codes @ (65536, 256, 1), return_counts=True)
-        names = [f"#{key:06x}" for key in keys[np.argsort(-counts, kind="stable")]]
+        counts: Counter[int] = Counter()
+        for rows in self._bands():
+            keys, times = np.unique(self.codes[rows].reshape(-1, 3) @ np.array((65536, 256, 1)), return_counts=True)
+            counts.update(dict(zip(keys.tolist(), times.tolist(), strict=True)))
+        names = [f"#{key:06x}" for key, _ in sorted(counts.items(), key=lambda one: (-one[1], one[0]))]
         return ", ".join(names[:LISTED]) + (" ..." if len(names) > LISTED else "")
 
 
@@ -67,11 +112,18 @@ class Masked:
     numbers : [H, W] uint8, the first row at v = 0
     number : of the piece
     repeat : UV units of one repeat, along u and v
+    piece, whole : its mesh, and the one that it was cut from
     """
 
     numbers: np.ndarray
     number: int
     repeat: tuple[float, float]
+    piece: Mesh
+    whole: Mesh
+
+    def number_at(self, uv: np.ndarray) -> int:
+        """The number of a place [2] of the whole mesh."""
+        return int(_numbers_at(self.numbers, uv / np.array(self.repeat)))
 
     def mostly(self, mesh: Mesh) -> np.ndarray:
         """The triangles [T] that show this number more than any other, a smaller one at a draw: each hides light once."""
@@ -83,9 +135,11 @@ class Masked:
 def load_mask(entry: ClothMap) -> FabricMask:
     """Read a fabric mask: the codes of a PNG or JPEG, the values of others, as they are. Raises InputError as `read_image`."""
     path = Path(entry.file)
-    picture = decode_codes(path) if path.suffix.lower() in (".png", ".jpg", ".jpeg") else read_image(path)
-    step = -(-max(picture.shape[:2]) // MOST_TEXELS)
-    codes = np.nan_to_num(np.asarray(picture[::-1, :, :3], np.float32)).clip(0.0, 1.0)
+    if path.suffix.lower() in (".png", ".jpg", ".jpeg"):
+        codes = decode_bytes(path)[::-1]
+    else:
+        codes = np.rint(255.0 * np.nan_to_num(read_image(path)[::-1, :, :3]).clip(0.0, 1.0)).astype(np.uint8)
+    step = -(-max(codes.shape[:2]) // MOST_TEXELS)
     height = entry.repeat * codes.shape[0] / codes.shape[1] if entry.unit == "m" else entry.repeat
     return FabricMask(np.ascontiguousarray(codes[::step, ::step]), (entry.repeat, height), entry.unit == "m")
 
@@ -102,7 +156,7 @@ def check_colors(masks: Mapping[str, FabricMask], colors: Sequence[str]) -> None
             f"fabric_mask: no colour has a fabric, and the picture has {said}; give --fabric '#rrggbb=NAME' for some"
         )
     for color in colors:
-        if not any((mask.numbers([color]) > 0).any() for mask in masks.values()):
+        if not any(mask.has(color) for mask in masks.values()):
             said = "; ".join(mask.common() for mask in masks.values())
             raise InputError(f"fabrics: no place of the fabric mask has the colour {color}, expected some of {said}")
 
@@ -119,13 +173,23 @@ def split(mesh: Mesh, mask: FabricMask, colors: Sequence[str], scale: float) -> 
     pieces = []
     for number in np.unique(numbers).tolist():
         if (shows := _count(numbers == number, low, high) > 0).any():
-            pieces.append((number, taken(mesh, shows), Masked(numbers, number, repeat)))
+            piece = taken(mesh, shows)
+            pieces.append((number, piece, Masked(numbers, number, repeat, piece, mesh)))
     return pieces
 
 
 def mask_colors(patterns: Iterable[str]) -> list[str]:
     """Those of the keys of `Scene.fabrics` that are colours of a mask."""
-    return [pattern for pattern in patterns if pattern.startswith("#")]
+    return [pattern for pattern in patterns if is_hex(pattern)]
+
+
+def part_pattern(name: str) -> str:
+    """The pattern of a part by its name: one that looks like a colour of a mask has a ? for the #."""
+    return f"?{name[1:]}" if is_hex(name) else name
+
+
+def _codes(color: str) -> np.ndarray:
+    return np.rint(255.0 * np.array(hex_codes(color))).astype(np.int16)
 
 
 def _places(mesh: Mesh, weights: np.ndarray) -> np.ndarray:
@@ -143,12 +207,13 @@ def _numbers_at(numbers: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 def _count(wanted: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
     """How many texels of a picture that repeats are wanted [H, W] from `low` up to `high` [..., 2] (column, row)."""
-    sums = np.zeros((wanted.shape[0] + 1, wanted.shape[1] + 1), np.int64)
-    sums[1:, 1:] = wanted.cumsum(0).cumsum(1)
+    sums = np.zeros((wanted.shape[0] + 1, wanted.shape[1] + 1), np.int32)
+    np.cumsum(wanted, 0, np.int32, out=sums[1:, 1:])
+    np.cumsum(sums[1:, 1:], 1, np.int32, out=sums[1:, 1:])
 
     def before(column: np.ndarray, row: np.ndarray) -> np.ndarray:
         (rows, r), (columns, c) = np.divmod(row, wanted.shape[0]), np.divmod(column, wanted.shape[1])
-        return rows * columns * sums[-1, -1] + rows * sums[-1, c] + columns * sums[r, -1] + sums[r, c]
+        return rows * columns * int(sums[-1, -1]) + rows * sums[-1, c] + columns * sums[r, -1] + sums[r, c]
 
     (x_0, y_0), (x_1, y_1) = np.moveaxis(low, -1, 0), np.moveaxis(high, -1, 0)
     return before(x_1, y_1) - before(x_0, y_1) - before(x_1, y_0) + before(x_0, y_0)

@@ -12,14 +12,13 @@ import numpy as np
 from ..color import luminance
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import TextureBuffer
+from ..gpu.context_local import of_context
 from ..gpu.gbuffer import CutOut
 from ..gpu.pictures import even_size, picture_array, resampled
 from ..image import decode_codes, read_image
 from ..scene import ClothMap
-from .masks import Masked
+from .masks import PLACES, Masked, MaskTextures
 from .prints import texel_means
-
-PLACES = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [4, 4, 4]]) / np.array([[4], [4], [4], [12]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,14 +72,14 @@ class CutTextures:
         self.ctx = ctx
         self._uv = TextureBuffer(ctx, 16)
         self._texture: moderngl.TextureArray | None = None
-        self._numbers: moderngl.Texture | None = None
+        self._numbers: np.ndarray | None = None  # of a mask whose texture it uses
 
     def cut_out(self, mesh: Mesh, opacity: Opacity | None, scale: float, mask: Masked | None) -> CutOut:
         """Take the maps of a mesh, whose UV unit is `scale` of the opacity map's repeat."""
         assert mesh.uv is not None
-        for old in (self._texture, self._numbers):
-            if old is not None:
-                old.release()
+        masks, before = of_context(MaskTextures, self.ctx), self._numbers
+        if self._texture is not None:
+            self._texture.release()
         self._texture = self._numbers = None
         self._uv.write(np.pad(mesh.uv, ((0, 0), (0, 2))).astype("f4"))
         found: dict[str, Any] = {}
@@ -90,9 +89,9 @@ class CutTextures:
             repeats = scale / opacity.repeat[0], scale / opacity.repeat[1]
             found = {"opacity_map": self._texture, "opacity_repeats": repeats}
         if mask is not None:
-            height, width = mask.numbers.shape
-            self._numbers = self.ctx.texture((width, height), 1, mask.numbers.tobytes(), alignment=1, dtype="u1")
-            self._numbers.filter = moderngl.NEAREST, moderngl.NEAREST
+            self._numbers = mask.numbers
             repeats = 1.0 / mask.repeat[0], 1.0 / mask.repeat[1]
-            found |= {"mask_map": self._numbers, "mask_repeats": repeats, "mask_number": mask.number}
+            found |= {"mask_map": masks.take(mask.numbers), "mask_repeats": repeats, "mask_number": mask.number}
+        if before is not None:
+            masks.give_back(before)
         return CutOut(self._uv, found)

@@ -28,14 +28,27 @@ def with_options(scene: Scene, changes: dict[str, Any]) -> Scene:
         changes |= _maps(field, changes, scene)
     table = {key: changes.pop(key) for key in CurtainParameters.model_fields if key in changes}
     if table and scene.curtain is None:
-        raise InputError(f"--{next(iter(table))}: belongs to the curtain; give its scene: glcloth render curtain")
+        raise InputError(
+            f"--{next(iter(table)).replace('_', '-')}: belongs to the curtain; give its scene: glcloth render curtain"
+        )
     if table:
         assert scene.curtain is not None
         changes["curtain"] = scene.curtain.changed(**table)
     look = {key: changes.pop(key) for key in View.model_fields if key in changes}
     if look:
         changes["camera"] = _looked(scene, look)
-    return scene.changed(**changes) if changes else scene
+    whole = scene.changed(**changes) if changes else scene
+    _check_unread(whole, changes)
+    return whole
+
+
+def _check_unread(scene: Scene, changes: dict[str, Any]) -> None:
+    """Raise InputError for options that were given, and that nothing reads as the scene is."""
+    if scene.method != "path" and (unread := [name for name in ("noise", "denoise") if changes.get(name)]):
+        raise InputError(f"--{unread[0]}: of method path; give --method path too, or leave it out")
+    unread = [name for name in ("photons", "photon_neighbours") if name in changes]
+    if unread and (scene.curtain is None or scene.gi != "photons"):
+        raise InputError(f"--{unread[0].replace('_', '-')}: of gi photons; give --gi photons too, or leave it out")
 
 
 def _looked(scene: Scene, look: dict[str, Any]) -> View:

@@ -7,9 +7,11 @@ from collections.abc import Callable, Iterator, Sequence
 import moderngl
 import numpy as np
 
+from ..accel.queries import RayQueries
 from ..color import srgb_decode
 from ..errors import InputError
 from ..geometry.materials import base_picture
+from ..geometry.mesh import Mesh
 from ..geometry.raw import Material
 from ..gpu.environment_map import EnvironmentMap
 from ..gpu.memo import Last
@@ -18,13 +20,17 @@ from ..gpu.screen import draw_screen
 from ..light.environment import rotation_y
 from ..tracing.denoise import check_denoiser
 from ..tracing.path import PathSums, PathTracer, PathView, Progress, followed, samples_of
-from ..tracing.path_world import Map, Maps, Painted, PathWorld
+from ..tracing.path_world import Catcher, Map, Maps, Mask, Painted, PathWorld
 from .cloths import Cloth
 from .frame import Frame
 from .openings import Opacity
 from .pace import Pace
-from .prints import Print
+from .picked import OPEN, Picked
+from .prints import Print, texel_means
+from .solids import FADE
 from .uv_scale import guessed_scale
+
+MOST_OPEN = 64  # places that are cut out, one behind the other, which a look goes through
 
 
 def check_path(frame: Frame) -> None:
@@ -34,15 +40,13 @@ def check_path(frame: Frame) -> None:
         check_denoiser()
     if scene.shadows != "full":
         raise InputError(f"method path: shadows {scene.shadows}, but rays always meet what is there; leave it out")
-    if any(cloth.mask for cloth in frame.cloths):
-        raise InputError("method path: fabric masks are not for it; leave them out, or take method direct")
+    if any(cloth.mask is not None and cloth.mesh is not cloth.mask.piece for cloth in frame.cloths):
+        raise InputError(
+            "method path: a piece of a fabric mask has moved by itself; move the mesh that it is of, or take method direct"
+        )
     objects = frame.objects
     if objects is None:
         return
-    if objects.ground is not None and objects.ground.catcher:
-        raise InputError(
-            "method path: a ground that shows its shadow alone is not for it; give --ground auto, or method direct"
-        )
     for mesh, materials in zip(objects.meshes, objects.materials or ((),) * len(objects.meshes), strict=True):
         if any(material.roughness < 1.0 or material.metalness > 0.0 for material in materials):
             raise InputError(
@@ -52,12 +56,15 @@ def check_path(frame: Frame) -> None:
 
 def world_of(frame: Frame) -> PathWorld:
     """What paths meet in a frame."""
-    cloths = tuple((cloth.mesh, cloth.fabric) for cloth in frame.cloths)
+    wholes = whole_cloths(frame.cloths)
+    masks: tuple[Mask | None, ...] = tuple(_mask(pieces) for pieces in wholes)
+    cloths = tuple((_whole(pieces[0]), pieces[0].fabric) for pieces in wholes)
     maps: tuple[Maps, ...] = ()
     if any(cloth.print or cloth.opacity for cloth in frame.cloths):
-        maps = tuple(_maps(cloth, frame.scene.uv_scale) for cloth in frame.cloths)
+        maps = tuple(_maps(pieces[0], frame.scene.uv_scale) for pieces in wholes)
+    masks = masks if any(masks) else ()
     if (objects := frame.objects) is None:
-        return PathWorld(cloths, maps=maps)
+        return PathWorld(cloths, maps=maps, masks=masks)
     painted = tuple(
         _painted(materials, of) for materials, of in zip(objects.materials, objects.material_of, strict=True)
     )
@@ -71,18 +78,46 @@ def world_of(frame: Frame) -> PathWorld:
         if painted
         else objects.reflectances
     )
-    ground = objects.ground
+    ground, catcher = objects.ground, None
+    if ground is not None and ground.catcher:
+        catcher = Catcher(ground.center, (FADE[0] * ground.scale, FADE[1] * ground.scale))
     return PathWorld(
         cloths, tuple(zip(objects.meshes, reflectances, strict=True)),
-        None if ground is None else (ground.height, ground.color), maps, painted,
+        None if ground is None else (ground.height, ground.color), catcher, maps, painted, masks,
     )  # fmt: skip
+
+
+def whole_cloths(cloths: Sequence[Cloth]) -> list[list[Cloth]]:
+    """The cloths of a frame, those together that are pieces of one by a fabric mask; the first has the least number."""
+    out: list[list[Cloth]] = []
+    for cloth in cloths:
+        before = out[-1][0].mask if out else None
+        if cloth.mask is not None and before is not None and before.whole is cloth.mask.whole:
+            out[-1].append(cloth)
+        else:
+            out.append([cloth])
+    return out
+
+
+def _whole(piece: Cloth) -> Mesh:
+    return piece.mesh if piece.mask is None else piece.mask.whole
+
+
+def _mask(pieces: Sequence[Cloth]) -> Mask | None:
+    """The mask that parts a cloth. Its first fabric stands for 0 and for numbers that no triangle shows."""
+    if (mask := pieces[0].mask) is None:
+        return None
+    of_number = {piece.mask.number: piece.fabric for piece in pieces if piece.mask is not None}
+    own = pieces[0].fabric
+    fabrics = tuple(of_number.get(number, own) for number in range(1, max(of_number) + 1))
+    return Mask(mask.numbers, (1.0 / mask.repeat[0], 1.0 / mask.repeat[1]), fabrics)
 
 
 def _maps(cloth: Cloth, uv_scale: float) -> Maps:
     """The maps of a cloth; `uv_scale`: metres in a UV unit, 0: measured."""
 
     def over(texels: np.ndarray, of: Print | Opacity) -> Map:
-        unit = (uv_scale or guessed_scale(cloth.mesh)) if of.in_metres else 1.0
+        unit = (uv_scale or guessed_scale(_whole(cloth))) if of.in_metres else 1.0
         return Map(texels, (unit / of.repeat[0], unit / of.repeat[1]))
 
     return Maps(
@@ -108,6 +143,41 @@ def _under(reflectance: np.ndarray, paint: Painted, materials: Sequence[Material
     return np.where(paint.picture_of[:, None] < 0, reflectance, own)
 
 
+def _cloth_at(frame: Frame, triangle: int, at: np.ndarray) -> Picked | None:
+    """What a hit of the frame's tree is of: cloth, OPEN where that is cut out, or None."""
+    number = 0
+    for pieces in whole_cloths(frame.cloths):
+        mesh = _whole(pieces[0])
+        if triangle < len(mesh.triangles):
+            break
+        triangle, number = triangle - len(mesh.triangles), number + len(pieces)
+    else:
+        return None
+    uv = None if mesh.uv is None else _uv_at(mesh, triangle, at)
+    cloth = pieces[0]
+    if cloth.mask is not None and uv is not None:
+        of = [piece.mask.number for piece in pieces if piece.mask is not None]
+        shown = cloth.mask.number_at(uv)
+        place = of.index(shown) if shown in of else 0
+        cloth, number = pieces[place], number + place
+    if cloth.opacity is not None and uv is not None:
+        unit = (frame.scene.uv_scale or guessed_scale(mesh)) if cloth.opacity.in_metres else 1.0
+        if texel_means(cloth.opacity.shares, uv * (unit / np.array(cloth.opacity.repeat)))[0] < 0.5:
+            return OPEN
+    part = () if mesh.part_of is None or not mesh.parts else mesh.parts[int(mesh.part_of[triangle])]
+    return Picked(number, part, 0 if cloth.mask is None else cloth.mask.number)
+
+
+def _uv_at(mesh: Mesh, triangle: int, at: np.ndarray) -> np.ndarray:
+    """The UV [2] of a place [3] on a triangle."""
+    assert mesh.uv is not None
+    a, b, c = np.asarray(mesh.positions, float)[mesh.triangles[triangle]]
+    weights = np.linalg.lstsq(np.stack([b - a, c - a], 1), at - a, rcond=None)[0]
+    return (
+        np.array([1.0 - weights.sum(), *weights]) @ np.nan_to_num(np.asarray(mesh.uv, float))[mesh.triangles[triangle]]
+    )
+
+
 class PathPictures:
     """Traces frames, and draws what the samples so far come to."""
 
@@ -116,6 +186,7 @@ class PathPictures:
         self._tracer: PathTracer | None = None
         self._map = EnvironmentMap(ctx)
         self._world: Last[PathWorld] = Last()
+        self._queries: RayQueries | None = None
 
     @property
     def tracer(self) -> PathTracer:
@@ -133,7 +204,7 @@ class PathPictures:
         """
         check_path(frame)
         scene, tracer = frame.scene, self.tracer
-        tracer.take(self._world.get(lambda: world_of(frame), frame.cloths, frame.objects))
+        self._take(frame)
         if scene.light == "map":
             tracer.sky.take_map(frame.environment, rotation_y(scene.env_rotate))
         else:
@@ -153,6 +224,26 @@ class PathPictures:
             yield progress.samples, total
         self.draw(target)
 
+    def _take(self, frame: Frame) -> None:
+        self.tracer.take(self._world.get(lambda: world_of(frame), frame.cloths, frame.objects))
+
+    def pick(self, frame: Frame, x: float, y: float) -> Picked | None:
+        """The cloth at a place of a frame's picture, as `picked.pick`: a ray looks, which goes through open places."""
+        self._take(frame)
+        (width, height), camera = frame.scene.size, frame.camera
+        pixel = np.array([min(int(x * width), width - 1) + 0.5, min(int((1.0 - y) * height), height - 1) + 0.5, 1.0])
+        o, d = camera.origin_from_pixel((width, height)) @ pixel, camera.ray_from_pixel((width, height)) @ pixel
+        if self._queries is None:
+            self._queries = RayQueries(self.ctx)
+        begin = 0.0
+        for _ in range(MOST_OPEN):
+            hits = self._queries.closest_hit(self.tracer.structure, o[None], d[None], begin)
+            found = _cloth_at(frame, int(hits.triangle[0]), o + float(hits.t[0]) * d) if hits.triangle[0] >= 0 else None
+            if found is not OPEN:
+                return found
+            begin = float(hits.t[0]) * (1.0 + 1e-5)
+        return None
+
     def draw(self, target: moderngl.Framebuffer) -> None:
         """Draw the mean of the samples of all pixels so far."""
         tracer = self.tracer
@@ -166,6 +257,8 @@ class PathPictures:
     def release(self) -> None:
         """Free the GPU's memory."""
         self._map.release()
+        if self._queries is not None:
+            self._queries.release()
         if self._tracer is not None:
             self._tracer.release()
 

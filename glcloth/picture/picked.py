@@ -5,10 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import numpy as np
-
 from ..geometry.raw import Names
-from ..gpu.buffers import read_texture
 from ..gpu.gbuffer import GBuffer
 from .cloth import ClothSurface
 from .target import Target
@@ -20,6 +17,9 @@ class Picked(NamedTuple):
     cloth: int
     names: Names
     mask: int
+
+
+OPEN = Picked(-1, (), 0)  # a place that is cut out
 
 
 def pick(target: Target, cloths: Sequence[ClothSurface], x: float, y: float) -> Picked | None:
@@ -38,14 +38,6 @@ def pick(target: Target, cloths: Sequence[ClothSurface], x: float, y: float) -> 
 
 
 def _triangle_at(buffer: GBuffer, x: float, y: float) -> int | None:
-    """The triangle that a pixel shows, if it shows one."""
+    """The triangle that a place shows, if it shows one."""
     width, height = buffer.size
-    column, row = min(int(x * width), width - 1), min(int((1.0 - y) * height), height - 1)
-
-    def texel(name: str) -> float:
-        texture = buffer.frame(name)
-        return float(
-            np.frombuffer(read_texture(texture), "f4").reshape(height, width, texture.components)[row, column, 3]
-        )
-
-    return None if texel("frame_N") == 0.0 else int(texel("frame_p"))
+    return buffer.triangle_at(min(int(x * width), width - 1), min(int((1.0 - y) * height), height - 1))

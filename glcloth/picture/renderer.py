@@ -26,7 +26,7 @@ from ..scene import MethodName, Quality, Scene, View, load_scene
 from ..tracing.denoise import denoised
 from .background import Background
 from .frame import Frame, Frames
-from .layers import Gathering, Layers, chosen
+from .layers import LIGHT, Gathering, Layers, chosen
 from .pace import Pace
 from .path import PathPictures
 from .picked import Picked, pick
@@ -64,6 +64,7 @@ class Renderer:
         self._paths = PathPictures(self.ctx)
         self._show: CurtainShow | None = None
         self._last: Frame | CurtainShow | None = None  # the last one rendered
+        self._by_path: Frame | None = None  # the last one drawn, where that was by method path
 
     def __enter__(self) -> Renderer:
         return self
@@ -131,9 +132,9 @@ class Renderer:
         if scene.curtain is not None:
             from .curtain_layers import check_names, curtain_layers  # cloth starts without it
 
-            check_names(names)
+            check_names(names, changes.get("method", scene.method))
             show = self.show(scene, **changes)
-            picture = show.picture()
+            picture = show.picture(parted=bool(set(names) & set(LIGHT)))
             check_errors(self.ctx, "curtain")
             picture = as_picture(picture, show.scene)
             return curtain_layers(show, names, picture) if names else picture
@@ -234,12 +235,12 @@ class Renderer:
         target = self._targets.get(frame.scene.size, gathering is not None)
         # In parts and as previews, as the window draws, its scenes are shown by `direct`.
         if frame.scene.method == "path" and rows is None and not preview:
-            self._target, self._last = target, frame
+            self._target, self._last, self._by_path = target, frame, frame
             yield from self._paths.steps(frame, target.framebuffer, pace)
             return
         surfaces = self.stage.take(frame)
         self._ways.take(frame.scene, surfaces)
-        self._target = target
+        self._target, self._by_path = target, None
         self._trace(pace)
         passes = max(surface.pass_count for surface in surfaces)
         samples, cameras = sample_offsets(frame.scene.spp), lens_samples(frame.camera, frame.scene.spp)
@@ -281,7 +282,7 @@ class Renderer:
         """
         self._check()
         check_stopped()
-        self._last = frame
+        self._last = self._by_path = frame
         yield from self._paths.steps(frame, target, Pace(), patience)
 
     def draw_paths(self, target: moderngl.Framebuffer) -> None:
@@ -379,11 +380,11 @@ class Renderer:
         return self.target.part(self.stage.cloths[0]).buffer
 
     def pick(self, x: float, y: float) -> Picked | None:
-        """The part of the cloth at a place of the last picture, from 0 to 1 from its top left corner; None: no cloth, or the
-        picture is by method path, which keeps no G-buffer."""
+        """The part of the cloth at a place of the last picture, from 0 to 1 from its top left corner; None: no cloth."""
         self._check()
-        by_path = isinstance(self._last, Frame) and self._last.scene.method == "path"
-        return None if by_path or self._target is None else pick(self.target, self.stage.cloths_in_frame, x, y)
+        if self._by_path is not None:
+            return self._paths.pick(self._by_path, x, y)
+        return None if self._target is None else pick(self.target, self.stage.cloths_in_frame, x, y)
 
     def path_sums(self) -> PathSums:
         """Of the last picture by method `path`: its samples, light, standard error and noise. Raises InputError for another."""

@@ -27,6 +27,7 @@ from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.layout import shared
 from ..gpu.programs import programs
 from ..progress import drain
+from .backdrop import Backdrop
 from .solids import Solid, solids_glsl
 
 CONSTANTS, _ = shared("simulate/shared.glsl")
@@ -178,6 +179,7 @@ class Cloth:
         self.quad_count = (self.rows - 1) * (self.columns - 1)
         self.table_size = 1 << max(8, (2 * self.vertex_count - 1).bit_length())
         self.wind = wind or Wind()
+        self.backdrop: Backdrop | None = None  # another cloth behind it, see `hang_before`
         self.rail: Rail | None = None  # on which the first row turns with the cloth
         self.time = 0.0
         self.substeps_done = 0
@@ -214,6 +216,11 @@ class Cloth:
     def _run(self, path: str, items: int, *inputs: dict[str, Any], **own: Any) -> None:
         programs(self.ctx).compute(path).run(items, self._buffers, self._sizes, *inputs, **own)
 
+    def hang_before(self, backdrop: Backdrop) -> None:
+        """Let another cloth keep this one out from now on."""
+        self.backdrop = backdrop
+        self._solids = solids_glsl(self.colliders, backdrop=True)
+
     def step(self, dt: float) -> None:
         """Advance by dt seconds in `parameters.substeps` equal substeps."""
         drain(self.steps(dt))
@@ -233,6 +240,8 @@ class Cloth:
         for k in range(m.substeps):
             # The air changes slowly: its force serves several substeps, limited as one step of that length.
             renew = k % m.air_substeps == 0
+            if self.backdrop is not None:
+                values.update(self.backdrop.inputs(k / m.substeps))
             if renew:
                 if k > 0:
                     self._advance(values, finish=True)
@@ -246,6 +255,8 @@ class Cloth:
             self._constraints(h)
             self.time += h
             self.substeps_done += 1
+        if self.backdrop is not None:
+            values.update(self.backdrop.inputs(1.0))
         self._advance(values, finish=True)
         yield
 

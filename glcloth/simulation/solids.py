@@ -45,12 +45,12 @@ class Ellipsoid:
 Solid = Plane | Sphere | Box | Ellipsoid
 
 
-def solids_glsl(solids: Sequence[Solid]) -> str:
+def solids_glsl(solids: Sequence[Solid], backdrop: bool = False) -> str:
     """Return the GLSL that resolves a point against each solid in turn; their numbers become constants.
 
-    Raises InputError for shapes that make no sense.
+    backdrop : against a cloth behind it, too (glcloth/simulation/backdrop.py). Raises InputError for shapes that make no sense.
     """
-    calls = []
+    calls = ["d_plane(point, vec3(0.0, 0.0, 1.0), backdrop_height(point))"] if backdrop else []
     for solid in solids:
         if isinstance(solid, Plane):
             length = math.hypot(*solid.normal)
@@ -73,7 +73,8 @@ def solids_glsl(solids: Sequence[Solid]) -> str:
                 )
             calls.append(f"d_box(point, {_glsl(solid.center)}, {_glsl(solid.half_size)}, {_glsl(solid.rounding)})")
     lines = [f"    point = resolve(point, before, {call});" for call in calls]
-    return "\n".join(["vec3 resolve_solids(vec3 point, vec3 before) {", *lines, "    return point;", "}", ""])
+    include = ['#include "inputs/simulation/backdrop.glsl"'] if backdrop else []
+    return "\n".join([*include, "vec3 resolve_solids(vec3 point, vec3 before) {", *lines, "    return point;", "}", ""])
 
 
 def _glsl(value: float | Sequence[float]) -> str:

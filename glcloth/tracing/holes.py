@@ -41,7 +41,8 @@ class Holes:
             return {}
         return {
             **made,
-            "hole_grid": np.array([grid.first, grid.quads], "i4"),
+            "hole_grid": (grid.first, grid.quads),
+            "hole_pieces": (grid.count or 1 << 30, grid.pieces),
             "quad_size": grid.size,
             "seen_from": tuple(map(float, camera.eye)),
             "pixel_size": (constant, by_distance),

@@ -12,6 +12,7 @@ from ..geometry.camera import Camera
 from ..gpu.buffers import TextureBuffer
 from ..gpu.programs import programs
 from .canvas import Canvas
+from .fabrics import fabric_defines
 
 
 def draw_layers(
@@ -41,7 +42,7 @@ def draw_layers(
     canvas = Canvas(ctx, size)
     try:
         canvas.clear(background)
-        program = programs(ctx).draw("passes/tracing/layers.vert", "passes/tracing/layers.frag")
+        program = programs(ctx).draw("passes/tracing/layers.vert", "passes/tracing/layers.frag", fabric_defines(inputs))
         clip_from_world = camera.clip_from_world(size, near, far)
         program.bind(inputs, order=order, clip_from_world=clip_from_world, viewpoint=camera.viewpoint)
         if len(solid):

@@ -157,9 +157,9 @@ class PathTracer:
 
     def _dress(self) -> None:
         """Upload what surfaces reflect and let through."""
-        fabrics = [fabric for _, fabric in self._world.cloths]
-        ends = np.cumsum([len(mesh.triangles) for mesh, _ in self._world.cloths])
-        rows = np.zeros((len(fabrics), 7, 4), "f4")
+        cloth_of, fabrics = zip(*self._world.worn, strict=True)
+        ends = np.cumsum([len(mesh.triangles) for mesh, _ in self._world.cloths])[list(cloth_of)]
+        rows = np.zeros((len(fabrics), 8, 4), "f4")
         stride = 16 * (4 + int(constant("MAX_TANGENTS")))
         records = b""
         for row, fabric, end in zip(rows, fabrics, ends, strict=True):
@@ -173,21 +173,25 @@ class PathTracer:
             row[4, :3] = row[3, 2] * mean_albedo(fabric)
             records += fabric_records(fabric).ljust(stride, b"\0")
         pictures = self._pictures.take(self._world)
-        rows[:, 5, 2:], rows[:, 6] = pictures.of_cloths, pictures.repeats
+        of = np.array(cloth_of)
+        rows[:, 5, 2:], rows[:, 6] = pictures.of_cloths[of], pictures.repeats[of]
+        rows[:, 4, 3], rows[:, 7] = pictures.mask_rows[of], pictures.masks[of]
         self._cloth.write(rows)
         self._fabric.write(records)
         solid = [reflectance for _, reflectance in self._world.solids]
         ground = self._world.ground[1] if self._world.ground is not None else (0.0, 0.0, 0.0)
         colors = np.concatenate([*solid, np.reshape(ground, (1, 3))])
         self._solid.write(np.concatenate([colors, pictures.of_solids[:, None]], 1).astype("f4"))
-        self._sheer = self._sheets.prepare([fabric.transmission for fabric in fabrics], any(self._world.passing))
+        self._sheer = self._sheets.prepare(
+            [fabric.transmission for fabric in fabrics], any(self._world.passing), surfaces=cloth_of
+        )
 
     def _inputs(self, view: PathView) -> dict[str, Any]:
         right, up, _ = view.camera.axes
         radius = 0.5 * view.camera.aperture
         world = self._world
         return {
-            **self._structure.inputs(),
+            **self.structure.inputs(),
             **self._hits.inputs_of_hits(),
             **(self._sheer.inputs() if self._sheer is not None else {}),
             **self.sky.inputs(),
@@ -195,13 +199,14 @@ class PathTracer:
             **self.fabric_inputs(),
             **self._pictures.inputs(),
             "solid_data": self._solid,
-            "cloth_count": len(world.cloths),
+            "cloth_count": len(world.worn),
             "cloth_triangles": self._hits.first_triangle[len(world.cloths)],
             "solid_triangles": self._hits.first_triangle[-1] - self._hits.first_triangle[len(world.cloths)],
             "background": view.background,
             "size": view.size,
             "most_vertices": view.vertices,
             **_lamp_inputs(view.lamp),
+            **self._catcher_inputs(),
             **({"spread": view.spread} if self._sheer is not None else {}),
             "ray_from_pixel": view.camera.ray_from_pixel(view.size),
             "origin_from_pixel": view.camera.origin_from_pixel(view.size),
@@ -209,6 +214,13 @@ class PathTracer:
             "lens_y": tuple(radius * up),
             "focus": view.camera.focus_distance,
         }
+
+    def _catcher_inputs(self) -> dict[str, Any]:
+        catcher = self._world.catcher
+        if catcher is None:
+            return {}
+        light = max(float(luminance(self.sky.open_irradiance())), 1e-30)
+        return {"catcher_middle": catcher.middle, "catcher_fade": catcher.fade, "open_luminance": light}
 
     def fabric_inputs(self) -> dict[str, Any]:
         """What inputs/tracing/path_fabric.glsl reads of the cloths."""
@@ -220,14 +232,17 @@ class PathTracer:
         return BATCH if self._sheer is None else SHEER_BATCH
 
     @property
-    def _structure(self) -> Structure:
+    def structure(self) -> Structure:
+        """What rays through the world that was taken meet: the triangles of cloths and solids in their order, the ground."""
         ground = self._world.ground
         return self._tree if ground is None else OverGround(self._tree, ground[0])
 
     def _program(self) -> Compute:
-        defines, virtual, _ = sight(self._structure, self._sheer, "inputs/tracing/sight_either.glsl")
+        defines, virtual, _ = sight(self.structure, self._sheer, "inputs/tracing/sight_either.glsl")
         if self._pictures.any:
             defines = {**defines, "PICTURES": 1}
+        if self._world.catcher is not None:
+            defines = {**defines, "CATCHER": 1}
         virtual["sky.glsl"] = self.sky.source
         if self._sheer is not None:
             virtual["sight.glsl"] = "inputs/tracing/sight_sheer.glsl"
@@ -313,5 +328,7 @@ class PathTracer:
 
 def _lamp_inputs(lamp: Lamp | None) -> dict[str, Any]:
     if lamp is None:
-        return {"lamp": (0.0, 0.0, 0.0), "intensity": (0.0, 0.0, 0.0), "has_lamp": False}
-    return {"lamp": lamp.position, "intensity": lamp.intensity, "has_lamp": True}
+        none = (0.0, 0.0, 0.0)
+        return {"lamp": none, "intensity": none, "has_lamp": False, "lamp_x": none, "lamp_y": none}
+    x, y = (tuple(map(float, axis)) for axis in lamp.axes)
+    return {"lamp": lamp.position, "intensity": lamp.intensity, "has_lamp": True, "lamp_x": x, "lamp_y": y}

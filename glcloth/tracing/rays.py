@@ -21,11 +21,13 @@ from ..accel.structure import Structure
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.layout import shared
 from ..gpu.programs import Compute, programs
+from .fabrics import fabric_defines
 from .shot import DEEPEST, Shot, TraceStatistics
 
 CONSTANTS: Mapping[str, Any] = shared("trace/shared.glsl")[0]
 COUNTS: Mapping[str, Any] = shared("inputs/tracing/counts.glsl")[0]
 SIZE = 4 * COUNTS["COUNTS"]  # bytes
+KINDS: int = shared("inputs/tracing/parts.glsl")[0]["LIGHT_PARTS"]
 BLOCK: tuple[int, int] = (CONSTANTS["BLOCK_WIDTH"], CONSTANTS["BLOCK_HEIGHT"])
 
 
@@ -51,7 +53,7 @@ class Picture:
     """The values that all tiles of a picture share.
 
     structure : built. inputs : of the passes, from scene, camera and light. buffer : where samples are added, a vec4
-    a pixel. statistics : to add to.
+    a pixel. statistics : to add to. parts : where the kinds of light are added, KINDS of a vec4 a pixel; None: nowhere.
     """
 
     shot: Shot
@@ -59,11 +61,12 @@ class Picture:
     inputs: Mapping[str, Any]
     buffer: Buffer
     statistics: TraceStatistics
+    parts: Buffer | None = None
 
     @property
     def holes(self) -> dict[str, Any]:
-        """The define of passes that know where a weave has its holes."""
-        return {"HOLES": 1} if "hole_map" in self.inputs else {}
+        """The defines of passes that know the cloth: where a weave has its holes, and that there are several fabrics."""
+        return ({"HOLES": 1} if "hole_map" in self.inputs else {}) | fabric_defines(self.inputs)
 
     @property
     def stride(self) -> int:
@@ -108,6 +111,7 @@ class Rays:
         self._counts = Buffer(ctx, SIZE)
         self._unread = Buffer(ctx, SIZE)  # the counts of tiles that nobody has seen to have had room,
         self._stages: list[list[list[float]]] = []  # and the milliseconds of their generations
+        self._parts = Buffer(ctx, 64)  # of the camera's rays, where a picture wants its kinds of light
 
     def trace(self, picture: Picture, tile: Tile, sample: int, later: bool = False) -> None:
         """Add one sample of each pixel of a tile to the picture.
@@ -129,17 +133,20 @@ class Rays:
             while not fits:
                 stages = self._attempt(picture, tile.rays, where, sample)
                 fits = self._look(self._counts.read(SIZE), picture.statistics, stages)
-        gather = programs(self.ctx).compute("passes/tracing/gather.comp")
         for level in reversed(range(shot.settings.depth - 1)):
             parent, child = self._generations[level : level + 2]
-            gather.run_indirect(
-                self._counts, skip=4 * (COUNTS["LOG"] + COUNTS["LOG_COUNTS"] * level + 4), level=level,
+            defines, kinds = self._parted(picture, level == 0)
+            programs(self.ctx).compute("passes/tracing/gather.comp", defines).run_indirect(
+                self._counts, kinds, skip=4 * (COUNTS["LOG"] + COUNTS["LOG_COUNTS"] * level + 4), level=level,
                 capacity=parent.capacity, next_radiance=child.radiance, children=parent.children,
                 Radiances=parent.radiance, Counts=self._counts,
             )  # fmt: skip
         first = self._generations[0].radiance
-        programs(self.ctx).compute("passes/tracing/picture.comp").run(
-            tile.rays, where, share=1.0 / len(shot.samples), radiances=first, Picture=picture.buffer
+        defines, kinds = self._parted(picture, True)
+        if picture.parts is not None:
+            kinds["PictureParts"] = picture.parts
+        programs(self.ctx).compute("passes/tracing/picture.comp", defines).run(
+            tile.rays, where, kinds, share=1.0 / len(shot.samples), radiances=first, Picture=picture.buffer
         )
 
     def begin(self) -> None:
@@ -156,6 +163,10 @@ class Rays:
         tiles = [data[at : at + SIZE] for at in range(0, len(data), SIZE)]
         # Each is looked at: the one that needs most makes most room.
         return all([self._look(one, statistics, stages) for one, stages in zip(tiles, self._stages, strict=True)])
+
+    def _parted(self, picture: Picture, first: bool) -> tuple[dict[str, int], dict[str, Any]]:
+        """Defines and inputs of the passes that keep the kinds of light of the first generation apart, where that is asked."""
+        return ({"PARTED": 1}, {"Parts": self._parts}) if first and picture.parts is not None else ({}, {})
 
     def _make_room(self, rays: int, depth: int) -> None:
         """Places for a first try: of the last picture, or as if each generation had as many rays as the first."""
@@ -174,6 +185,8 @@ class Rays:
         self._layers.reserve(16 * picture.stride * self._head_capacity)
         self._order.reserve(4 * max(generation.capacity for generation in self._generations))
         self._shadows.reserve(32 * max(generation.capacity for generation in self._generations))
+        if picture.parts is not None:
+            self._parts.reserve(16 * KINDS * first.capacity)
         self._begin_counts(rays)
         programs(self.ctx).compute("passes/tracing/camera.comp").run(
             rays, where, picture.inputs, jitter=shot.samples[sample], stride=picture.stride, Heads=self._heads,
@@ -227,7 +240,7 @@ class Rays:
         clock.append(time.perf_counter())
         self._shade(picture, level, sample)
         clock.append(time.perf_counter())
-        self._shadow(picture, self._generations[level])
+        self._shadow(picture, level)
         clock.append(time.perf_counter())
         return [1000 * (b - a) for a, b in pairwise(clock)]
 
@@ -246,6 +259,7 @@ class Rays:
         """Shade the hits of a generation and make the rays of the next."""
         now, then = self._generations[level], self._generations[level + 1]
         settings = picture.shot.settings
+        parted, kinds = self._parted(picture, level == 0)
         programs(self.ctx).compute("passes/tracing/sort.comp").run_indirect(
             self._counts, picture.inputs, skip=4 * COUNTS["RAY_GROUPS"], layers=self._layers, weights=now.weights,
             Order=self._order, Counts=self._counts, capacity=now.capacity,
@@ -258,11 +272,12 @@ class Rays:
                     "SPREAD": int(settings.spread),
                     "GI": int(picture.shot.indirect is not None),
                     **(picture.holes if cloth else {}),
+                    **parted,
                 },
                 {"indirect.glsl": picture.shot.indirect_source},
             )
             shade.run_indirect(
-                self._counts, picture.inputs, skip=4 * groups, layers=self._layers, order=self._order, heads=self._heads,
+                self._counts, picture.inputs, kinds, skip=4 * groups, layers=self._layers, order=self._order, heads=self._heads,
                 weights=now.weights, Heads=self._heads, Weights=then.weights, Radiances=now.radiance,
                 Children=now.children, Shadows=self._shadows, Counts=self._counts, next_last=then.capacity - 1, level=level,
                 last_level=settings.depth - 1, generation_seed=sample * DEEPEST + level, stride=picture.stride,
@@ -273,21 +288,22 @@ class Rays:
             most_groups=programs(self.ctx).most_groups,
         )  # fmt: skip
 
-    def _shadow(self, picture: Picture, now: Generation) -> None:
-        """Add the lamp's light to the rays that wait for it."""
-        structure = picture.structure
-        program = _through(self.ctx, "passes/tracing/shadow.comp", structure, picture.holes)
+    def _shadow(self, picture: Picture, level: int) -> None:
+        """Add the lamp's light to the rays of a generation that wait for it."""
+        structure, now = picture.structure, self._generations[level]
+        parted, kinds = self._parted(picture, level == 0)
+        program = _through(self.ctx, "passes/tracing/shadow.comp", structure, picture.holes | parted)
         chunks = list(structure.chunks())
         for k, chunk in enumerate(chunks):
             program.run_indirect(
-                self._counts, structure.inputs(), picture.inputs, chunk, skip=4 * COUNTS["SHADOW_GROUPS"],
+                self._counts, structure.inputs(), picture.inputs, chunk, kinds, skip=4 * COUNTS["SHADOW_GROUPS"],
                 shadows=self._shadows, Shadows=self._shadows, Radiances=now.radiance, Counts=self._counts,
                 last_chunk=k == len(chunks) - 1,
             )  # fmt: skip
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for buffer in (self._heads, self._layers, self._order, self._shadows, self._counts, self._unread):
+        for buffer in (self._heads, self._layers, self._order, self._shadows, self._counts, self._unread, self._parts):
             buffer.release()
         for generation in self._generations:
             generation.release()

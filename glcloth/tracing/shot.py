@@ -13,6 +13,7 @@ from ..light.environment import Environment
 from .lamp import Lighting
 
 DEEPEST = 8
+MOST_FABRICS = 4
 MOST_SPP = 4096
 
 
@@ -45,7 +46,8 @@ class HangingGrid:
     """Where the cloth of a scene is a grid of vertices, which says how it lies on its weave.
 
     first : number of its first triangle; two to a quad, row by row. quads : a row. size : metres of flat cloth that a quad
-    measures along a row and down a column. low, high : corners of a box in which the cloth hangs.
+    measures along a row and down a column. low, high : corners of a box in which the cloth hangs. count, pieces : triangles of
+    a piece of cloth, and how many of them there are, one behind the other; 0: all are of one.
     """
 
     first: int
@@ -53,6 +55,8 @@ class HangingGrid:
     size: tuple[float, float]
     low: tuple[float, float, float]
     high: tuple[float, float, float]
+    count: int = 0
+    pieces: int = 1
 
 
 @dataclass(frozen=True)
@@ -64,6 +68,8 @@ class Shot:
     indirect : inputs of `indirect_source`, the light from around the room instead of the lighting's `ambient`.
     renewed : finds such inputs anew for each sample of the pixels, in steps, the last of which brings them.
     grid : of the cloth; with it the holes of a fabric's weave are seen, and the light that falls through them.
+    others : more fabrics, each that of the cloth from a triangle on, in their order; `fabric` is that of the cloth before.
+    parted : keep the kinds of light of the pixels apart, for `Tracer.parts`.
     """
 
     camera: Camera
@@ -78,13 +84,25 @@ class Shot:
     indirect_source: str = "inputs/tracing/indirect.glsl"
     renewed: Callable[[int], Iterator[Mapping[str, Any]]] | None = None
     grid: HangingGrid | None = None
+    others: tuple[tuple[int, Fabric], ...] = ()
+    parted: bool = False
 
     def __post_init__(self) -> None:
-        if self.fabric.transmission is None:
+        for fabric in self.fabrics:
+            if fabric.transmission is None:
+                raise InputError(
+                    f"fabric {fabric.name}: has no [transmission], which the ray tracer needs; add the block, or take "
+                    "sheer_voile"
+                )
+        if len(self.fabrics) > MOST_FABRICS:
             raise InputError(
-                f"fabric {self.fabric.name}: has no [transmission], which the ray tracer needs; add the block, or take "
-                "sheer_voile"
+                f"{len(self.fabrics)} fabrics in one picture, expected at most {MOST_FABRICS}; leave some out"
             )
+
+    @property
+    def fabrics(self) -> tuple[Fabric, ...]:
+        """All of them, in the order of their triangles."""
+        return self.fabric, *(fabric for _, fabric in self.others)
 
     @property
     def samples(self) -> Sequence[tuple[float, float]]:

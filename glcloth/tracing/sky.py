@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import moderngl
@@ -16,6 +17,7 @@ from ..light import equirect
 from ..light.environment import Environment
 from ..light.lights import Lights, Suns
 from ..light.suns import split_suns
+from ..twins.lambert import gaussian_irradiance
 
 CELLS = 512, 256  # across and down; a draw chooses among them by 24 bits, which they divide evenly
 EVEN = 0.02  # of the draws are even, for light that the cells do not show
@@ -34,6 +36,7 @@ class Sky:
         self._sun: Last[None] = Last()
         self.suns = Suns()
         self.source = ""
+        self._up: Callable[[], np.ndarray] = lambda: np.zeros(3)  # irradiance from above, but for the suns
 
     def take_map(self, environment: Environment, rotation: np.ndarray, suns: bool = True) -> None:
         """The light of a map turned by a rotation [3, 3], with its suns, which are even discs, or without."""
@@ -42,6 +45,8 @@ class Sky:
         self._take_suns(split.rotated(rotation) if suns else Suns())
         inputs = self._taken.get(lambda: self._put_map(rest), rest)
         self._inputs = inputs | {"environment_from_world": np.asarray(rotation).T}
+        up = np.asarray(rotation).T @ [0.0, 1.0, 0.0]
+        self._up = lambda: _irradiance(rest.radiance, up)
 
     def take_portal(self, environment: Environment, rotation: np.ndarray, portals: np.ndarray) -> None:
         """The light of a map without its suns as it shines in through rectangles, [W, 3, 3]: a corner and two sides, m."""
@@ -61,6 +66,8 @@ class Sky:
         self.source = "inputs/tracing/path_sky_sg.glsl"
         self._take_suns(lights.suns)
         self._inputs = self._taken.get(lambda: self._put_lights(lights), lights)
+        g = lights.gaussians
+        self._up = lambda: (gaussian_irradiance(g.sharpness, g.axis[:, 1])[:, None] * g.amplitude).sum(0)
 
     def _put_map(self, rest: Environment) -> dict[str, Any]:
         self._cells.write(alias_cells(rest.radiance))
@@ -83,6 +90,11 @@ class Sky:
         key = (np.asarray(array).tobytes() for array in (suns.direction, suns.irradiance, suns.radius))
         self._sun.get(lambda: self._suns.write(sun_records(suns)), *key)
 
+    def open_irradiance(self) -> np.ndarray:
+        """Irradiance [3] of a level ground that sees all of what was taken."""
+        rest = self._up()
+        return rest + (np.maximum(self.suns.direction[:, 1:2], 0.0) * self.suns.irradiance).sum(0)
+
     def inputs(self) -> dict[str, Any]:
         """By their names in GLSL."""
         return self._inputs | {"sun_data": self._suns, "drawn_suns": len(self.suns)}
@@ -91,6 +103,13 @@ class Sky:
         """Free the GPU's memory."""
         for one in (self._map, self._cells, self._lights, self._shares, self._suns, self._portals):
             one.release()
+
+
+def _irradiance(radiance: np.ndarray, up: np.ndarray) -> np.ndarray:
+    """Of a surface that faces `up` [3], by a map [H, W, 3]: [3]."""
+    height, width = radiance.shape[:2]
+    cosine = np.maximum(equirect.texel_directions(height, width) @ up, 0.0)
+    return np.einsum("h,hw,hwc->c", equirect.row_solid_angles(height, width), cosine, radiance.astype(float))
 
 
 def _split(environment: Environment) -> tuple[Suns, Environment]:

@@ -22,9 +22,10 @@ from ..gpu.scene_buffers import SceneBuffers
 from ..light.environment import rotation_y
 from ..progress import track
 from .energy import mean_albedo, reflection_limit
+from .fabrics import Fabrics, straight_share
 from .holes import Holes
 from .layers import draw_layers
-from .rays import BLOCK, Picture, Rays, Tile
+from .rays import BLOCK, KINDS, Picture, Rays, Tile
 from .shot import Shot, TraceStatistics
 
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
@@ -43,10 +44,12 @@ class Tracer:
         self.ctx = ctx
         self.statistics = TraceStatistics()
         self.picture = Buffer(ctx, 64)
+        self._parts = Buffer(ctx, 64)
         self._structures: dict[str, Structure] = {}
         self._triangles: Triangles | None = None
         self._materials = TextureBuffer(ctx, 64)
         self._fabric = SceneBuffers(ctx)
+        self._fabrics = Fabrics(ctx)
         self._environment = EnvironmentMap(ctx)
         self._rays = Rays(ctx)
         self._holes = Holes(ctx)
@@ -203,13 +206,18 @@ class Tracer:
         self.statistics = TraceStatistics(build_ms=dict(structure.timings))
         begin = time.perf_counter()
         inputs = self.inputs(shot) | self._way_inputs(shot)
-        picture = Picture(shot, structure, inputs, self.picture, self.statistics)
+        picture = Picture(shot, structure, inputs, self.picture, self.statistics, self._parts if shot.parted else None)
         self.picture.write(bytes(16 * width * height))
-        done = 0
+        if shot.parted:
+            self._parts.write(bytes(16 * KINDS * width * height))
+        done, lamp = 0, shot.lighting.lamp
+        lamps = lamp.points(len(shot.samples))
         for sample, camera in enumerate(shot.cameras):
             for found in shot.renewed(sample) if shot.renewed else ():
                 inputs.update(found)
                 yield done / (width * height * len(shot.samples))
+            if lamp.radius:
+                inputs.update(lamp=tuple(map(float, lamps[sample])))
             inputs.update(
                 origin_from_pixel=camera.origin_from_pixel(shot.size), ray_from_pixel=camera.ray_from_pixel(shot.size)
             )
@@ -219,6 +227,16 @@ class Tracer:
                 done += tile.pixels(shot.size)
                 yield done / (width * height * len(shot.samples))
                 begin = time.perf_counter()
+
+    def parts(self, size: tuple[int, int]) -> dict[str, np.ndarray]:
+        """The kinds of light of the last picture, which a shot that is `parted` made: direct, bounce, transmission and
+        background, float32 [H, W, 3] each, as `trace`; their sum is the picture."""
+        width, height = size
+        kinds = np.frombuffer(self._parts.read(16 * KINDS * width * height), np.float32).reshape(
+            height, width, KINDS, 4
+        )
+        names = "direct", "bounce", "transmission", "background"
+        return {name: kinds[:, :, k, :3].copy() for k, name in enumerate(names)}
 
     def _tile_pixels(self) -> int:
         return TILE_PIXELS if self._software else GPU_TILE_PIXELS
@@ -245,11 +263,11 @@ class Tracer:
             "lamp": shot.lighting.lamp.position,
             "intensity": shot.lighting.lamp.intensity,
             "ambient": shot.lighting.ambient,
-            # To the lamp half of the light goes on straight; with light from all around, all but what is scattered.
-            "straight_share": 0.5 if shot.indirect is None else 1.0 - 0.5 * shot.transmission.diffuse,
+            "straight_share": straight_share(shot.transmission, shot.indirect is not None),
             # The scene lies within `scale` of the middle along each axis: this far from any of its points is outside.
             "beyond": 2 * 3**0.5 * self.triangles.padding / PADDING,
             "offset": OFF * self.triangles.padding,
+            **self._fabrics.inputs(shot),
             **(shot.indirect or {}),
         }
 
@@ -269,7 +287,16 @@ class Tracer:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for thing in (self.picture, self._materials, self._fabric, self._environment, self._rays, self._holes):
+        for thing in (
+            self.picture,
+            self._parts,
+            self._materials,
+            self._fabric,
+            self._fabrics,
+            self._environment,
+            self._rays,
+            self._holes,
+        ):
             thing.release()
         for structure in self._structures.values():
             structure.release()

@@ -34,7 +34,10 @@ def d_ellipsoid(p, center, axes):
     e = (p - center) / axes
     n = e / axes
     k, l = np.linalg.norm(e, axis=-1), np.linalg.norm(n, axis=-1)
-    return np.concatenate([n / l[..., None], (k * (k - 1.0) / l)[..., None]], axis=-1)
+    middle, l = l == 0.0, np.where(l == 0.0, 1.0, l)
+    gradient = np.where(middle[..., None], (0.0, 1.0, 0.0), n / l[..., None])
+    distance = np.where(middle, -np.min(axes, axis=-1), k * (k - 1.0) / l)
+    return np.concatenate([gradient, distance[..., None]], axis=-1)
 
 
 def friction(slide, push, mu):

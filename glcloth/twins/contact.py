@@ -13,9 +13,10 @@ def bucket(cell, size):
 
 def part(p_0, p_1, w_0, w_1, gap, slide, mu):
     distance = np.linalg.norm(p_0 - p_1, axis=-1)
-    n = (p_0 - p_1) / distance[..., None]
+    apart = distance > 0
+    n = (p_0 - p_1) / np.where(apart, distance, 1)[..., None]
     push = gap - distance
     tangential = slide - np.sum(slide * n, axis=-1)[..., None] * n
     moved = push[..., None] * n + friction(tangential, np.maximum(push, 0), mu)
     share = w_0 / np.where(w_0 + w_1 > 0, w_0 + w_1, 1)
-    return np.where((push > 0)[..., None], share[..., None] * moved, 0.0)
+    return np.where(((push > 0) & apart)[..., None], share[..., None] * moved, 0.0)

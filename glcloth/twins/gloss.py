@@ -2,7 +2,10 @@
 
 import numpy as np
 
+from .shading_frame import orthogonal_part
+
 ALPHA_LEAST = 2e-3
+RINGS, RING = ((0.58578644, 0.85355339), (3.41421356, 0.14644661)), 5
 GGX_LOBES = ((0.60319418, 2.61482955), (0.36280869, 0.70543652), (0.02762133, 0.10839955))
 
 
@@ -63,15 +66,32 @@ def f_gloss(N, omega_i, omega_o, F_0, alpha):
 def gloss_of_gaussian(N, xi, sharpness, omega_o, F_0, alpha):
     a = np.maximum(alpha, ALPHA_LEAST)
     mirrored = 2 * _dot(N, omega_o)[..., None] * N - omega_o
+    apart = np.clip(20 * np.asarray(alpha, float) - 0.8, 0, 1) * np.clip(20 * np.max(F_0, -1) - 1, 0, 1)
     L = 0.0
     for c, b in GGX_LOBES:
         lobe = 0.5 * b / (a**2 * np.maximum(_dot(N, omega_o), 0.05))
         total = lobe[..., None] * mirrored + sharpness[..., None] * xi
-        both = np.linalg.norm(total, axis=-1)
-        way = _unit(total)
-        lost = lobe * sharpness * _dot(mirrored - xi, mirrored - xi) / np.maximum(both + lobe + sharpness, 1e-6)
-        product = 2 * np.pi * (1 - np.exp(-2 * both)) / np.maximum(both, 1e-6) * np.exp(-lost)
-        cos_i = np.maximum(_dot(N, way), 0)
-        shape = V_smith(cos_i, np.maximum(_dot(N, omega_o), 1e-3), a) * cos_i / (np.pi * a**2)
-        L = L + F_color(F_0, _dot(omega_o, _unit(way + omega_o))) * (c * product * shape)[..., None]
+        both = np.maximum(np.linalg.norm(total, axis=-1), 1e-6)
+        way = total / both[..., None]
+        share = 1 - np.exp(-2 * both)
+        y = orthogonal_part(np.cross(N, way), way)
+        x = np.cross(y, way)
+        for k in range(2 * RING):
+            at, weight = RINGS[k // RING]
+            fall = -np.log(1 - (1 - np.exp(-apart * at)) * share)
+            versine = fall / both
+            r = np.sqrt(np.maximum(versine * (2 - versine), 0))
+            turn = 2 * np.pi / RING * (k + 0.5 * (k // RING))
+            omega_i = (1 - versine)[..., None] * way + r[..., None] * (np.cos(turn) * x + np.sin(turn) * y)
+            cos_i, h = np.maximum(_dot(N, omega_i), 0), _unit(omega_i + omega_o)
+            cos_h, s, off = np.maximum(_dot(N, h), 1e-3), np.cross(N, h), omega_i - xi
+            height = np.exp(fall - b * _dot(s, s) / (a * cos_h) ** 2 - 0.5 * sharpness * _dot(off, off))
+            masked = V_smith(cos_i, np.maximum(_dot(N, omega_o), 1e-3), a) * cos_i
+            scale = c * 2 * share / (RING * both * a**2) * weight * height * masked / cos_h**4
+            L = L + F_color(F_0, _dot(omega_o, h)) * scale[..., None]
     return L
+
+
+def F_repeated_lobes(F_0, albedos, sharpness):
+    share = (sharpness / (1 + sharpness))[..., None]
+    return (1 - share) * F_repeated(F_0, albedos[..., 1]) + share * F_repeated(F_0, albedos[..., 0])

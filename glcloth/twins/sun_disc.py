@@ -22,6 +22,24 @@ def disc_direction(middle, tan_radius, at):
     return d / np.linalg.norm(d, axis=-1, keepdims=True)
 
 
+def disc_above(middle, sin_radius):
+    """(direction, share) [..., 4] of what the horizon z = 0 leaves of a disc about `middle` [..., 3]: toward the middle of
+    that part, and how much of the disc it is.   [own]"""
+    middle, sin_radius = np.asarray(middle, float), np.asarray(sin_radius, float)
+    z = middle[..., 2]
+    cos_2 = 1.0 - z * z
+    whole = (np.abs(z) >= sin_radius) | (cos_2 < 1e-6)
+    t = np.where(whole, 0.0, z / np.where(whole, 1.0, sin_radius))
+    chord = np.sqrt(1.0 - t * t)
+    share = 0.5 + (t * chord + np.arcsin(t)) / np.pi
+    rise = sin_radius * np.minimum(2.0 / 3.0 * chord**3 / (np.pi * np.maximum(share, 1e-3)), 1.0)
+    up = np.concatenate([-middle[..., :2] * z[..., None], cos_2[..., None]], -1)
+    d = middle + (rise / np.sqrt(np.maximum(cos_2, 1e-6)))[..., None] * up
+    d /= np.linalg.norm(d, axis=-1, keepdims=True)
+    share = np.where(whole, np.where(z > 0.0, 1.0, 0.0), share)
+    return np.concatenate([np.where(whole[..., None], middle, d), share[..., None]], -1)
+
+
 def disc_directions(middle, radius, count):
     """Directions [count, 3] spread evenly over a disc about `middle` [3]."""
     return disc_direction(

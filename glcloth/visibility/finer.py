@@ -87,6 +87,7 @@ class FinerTriangles:
         numbers = {"finer_levels": levels, "finer_triangles": cut, "triangle_count": count}
         program = programs(self.ctx).compute("passes/visibility/finer.comp")
         program.run(count, hit_vertices.inputs(), numbers, Corners=triangles.corners)
+        triangles.cut_needles(coarse.pieces is not None)
         return triangles
 
     def release(self) -> None:

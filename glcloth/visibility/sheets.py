@@ -27,9 +27,11 @@ class Sheets:
         self._hit_vertices = hit_vertices
         self.transmissions: tuple[Transmission | None, ...] = ()
 
-    def prepare(self, transmissions: Sequence[Transmission | None], always: bool = False) -> Sheets | None:
+    def prepare(
+        self, transmissions: Sequence[Transmission | None], always: bool = False, surfaces: Sequence[int] | None = None
+    ) -> Sheets | None:
         """Take the cloths, whose surfaces are the first of the hit vertices; returns itself, or None where all are opaque,
-        but `always` itself."""
+        but `always` itself. `surfaces`: the number of each one's surface, where some share it."""
         self.transmissions = tuple(transmissions)
         if not (any(self.transmissions) or always):
             return None
@@ -37,7 +39,8 @@ class Sheets:
         for row, t in zip(rows, transmissions, strict=True):
             if t is not None:
                 row[0], row[1, :3] = (t.rho, t.k_a, t.k_t, t.diffuse), t.tau
-        rows[:, 1, 3] = self._hit_vertices.first_triangle[1 : 1 + len(rows)]
+        ends = np.asarray(self._hit_vertices.first_triangle[1:])
+        rows[:, 1, 3] = ends[np.arange(len(rows)) if surfaces is None else np.asarray(surfaces)]
         self._data.write(rows)
         return self
 

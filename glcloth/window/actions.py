@@ -15,7 +15,7 @@ from ..geometry.parts import fit, names_of
 from ..geometry.raw import Names
 from ..gpu.memo import Last
 from ..light.fit import FitReport
-from ..picture.masks import mask_colors
+from ..picture.masks import mask_colors, part_pattern
 from ..picture.uv_scale import guessed_scale
 from ..scene import View
 from . import orbit
@@ -104,7 +104,7 @@ class Actions:
     def parts(self) -> list[str]:
         """The parts of the cloth that a fabric can be given to, by the first of their names; none where it is all one."""
         meshes = next((ready.meshes for ready in self._drawing.ready if ready is not None), ())
-        names = list(dict.fromkeys(part[0] for mesh in meshes for part in names_of(mesh)))
+        names = list(dict.fromkeys(part_pattern(part[0]) for mesh in meshes for part in names_of(mesh)))
         return names if len(names) > 1 and not self.session.in_curtain else []
 
     # -- actions -----------------------------------------------------------------------------------------------------
@@ -215,7 +215,7 @@ class Actions:
         else:
             names = self._names(found.names)
             fits = [(how, name) for name in patterns if (how := fit(name, names))]
-            part = max(fits)[1] if fits else names[0]
+            part = max(fits)[1] if fits else part_pattern(names[0])
         session.pick_part(part)
 
     def _names(self, part: Names) -> Names:

@@ -12,7 +12,7 @@ KINDS = ("float", "int", "color", "triple", "pair", "choice", "bool", "text", "c
 # The curtain's own. The first ones change while it moves, the others hang it anew.
 HUNG = (
     "wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping",
-    "fullness", "pleats", "irregularity", "drop", "clearance", "heading", "settle",
+    "fullness", "pleats", "irregularity", "drop", "clearance", "heading", "settle", "open", "behind_open", "behind_fullness",
 )  # fmt: skip
 CURVE = ("curve_angles_deg", "curve_lengths", "samples", "tangents_deg")  # edited together, in a plot
 # Fields that only one method reads: shown with that method.

@@ -7,7 +7,7 @@ from typing import Any
 from imgui_bundle import imgui  # isort: skip
 
 from ..curtain.hanging import LIVE
-from ..fabric import builtin_fabrics
+from ..fabric import builtin_fabrics, load_fabric
 from ..scene import Scene
 from .actions import Actions
 from .controls import controls, curtain_controls
@@ -18,6 +18,7 @@ RAYS = controls(Scene, ("accelerator", "depth", "spp", "spread"))
 OTHER = [item for item in RAYS if item.name in OWN]
 LAMP = controls(Scene, ("lamp_position", "lamp_intensity", "ambient"))
 MOVING = [c for c in curtain_controls() if c.name in LIVE]
+SHEER = [name for name in builtin_fabrics() if load_fabric(name).transmission is not None]  # what a curtain may be of
 HANGING = [c for c in curtain_controls() if c.name not in LIVE]
 
 
@@ -60,6 +61,10 @@ class CurtainPanel(Panel):
 
     def _hanging(self, scene: Scene) -> None:
         """Shape and size: applied when the slider is let go, for the curtain must settle again."""
+        behind = scene.curtain.behind
+        behind = (behind or "none") if isinstance(behind, str) else behind.name
+        if new := chooser("second curtain", behind, ["none", *SHEER]):
+            self.attempt(self.session.hang, None, behind="" if new == "none" else new)
         for item in HANGING:
             value = self._draft.get(item.name, getattr(scene.curtain, item.name))
             changed, new = control(item, value)

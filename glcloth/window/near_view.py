@@ -67,7 +67,7 @@ class NearView:
             return
         scene = frame.scene.changed(
             method="direct", quality="normal", shadows="off", threads=True, adaptive=False, background=False,
-            objects=(), ground="off", spp=SAMPLES, size=SIZE, uv_scale=1.0, **OF_PARTS,
+            objects=(), ground="off", spp=SAMPLES, size=SIZE, uv_scale=1.0, subdivide=0, **OF_PARTS,
         )  # fmt: skip
         self._frame = self.renderer.prepare(
             scene, fabric=fabric, mesh=self._mesh, environment=frame.environment, lights=frame.lights,

@@ -66,6 +66,7 @@ class Refiner(Slices):
         self._mapped: list[Fabric] = []  # those of the last complete picture
         self._sketch: Last[Fabric] = Last()
         self._samples = 0  # of a path-traced picture under way
+        self._stands_in = False  # whether direct shows what method path cannot
         self._cold = True  # some programs that edits of the weave may need are not compiled
         self._warming: Iterator[None] | None = None
 
@@ -116,7 +117,7 @@ class Refiner(Slices):
             return [f"path: {self._samples} samples; preview {self.preview_ms:.0f} ms"]
         if unfinished:
             state = refining(min(unfinished, key=lambda side: side.share))
-        return [f"{scene.method}: {state}; preview {self.preview_ms:.0f} ms"]
+        return [f"{'direct' if self._stands_in else scene.method}: {state}; preview {self.preview_ms:.0f} ms"]
 
     @property
     def cold(self) -> bool:
@@ -147,7 +148,7 @@ class Refiner(Slices):
 
     def _all(self) -> Iterator[bool]:
         """Previews of all sides, then each at full size; yields whether something new is to be seen."""
-        self._refining, self._samples = False, 0
+        self._refining, self._samples, self._stands_in = False, 0, False
         hasty = True
         while True:
             self._again = False
@@ -166,7 +167,9 @@ class Refiner(Slices):
         for number, frame in enumerate(frames):
             yield from self._between(number, frame)
         for number, frame in enumerate(frames):
-            yield from self._paths(number, frame) if _by_paths(frame) else self._at(number, frame, 1.0, "full")
+            by_paths = _by_paths(frame)
+            self._stands_in |= frame.scene.method == "path" and not by_paths
+            yield from self._paths(number, frame) if by_paths else self._at(number, frame, 1.0, "full")
         self._mapped = [frame.fabric for frame in frames]
         self.covered = self.renderer.covered_pixels()
 

@@ -33,8 +33,8 @@ struct Gaussian {
 
 // One directional light.
 struct Sun {
-    vec3 omega;       // toward the sun
-    float spare;
+    vec3 omega;       // toward the sun's middle
+    float sin_radius; // of its disc
     vec3 E;           // irradiance on a surface that faces it, linear Rec. 709
     float spare_2;
 };

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from . import above_horizon, between, directions, vectors
+from . import above_horizon, between, directions, log_between, vectors
 
 
 def weights(rng, count):
@@ -52,8 +52,10 @@ SPECIAL = {
     ("with_mean", "wanted"): between(0.2, 2.0),
     ("facing_normal", "least"): between(0.02, 0.1),
     ("largest", "v"): vectors(1.0),
+    ("in_texel", "middle"): directions,
+    ("in_texel", "solid_angle"): log_between(1e-6, 0.3),
+    ("in_texel", "at"): lambda rng, count: rng.uniform(-0.5, 0.5, (count, 2)),
     ("pow5", "x"): between(-2.0, 2.0, 0.0, 1.0),
-    ("orthogonal_part", "v"): vectors(1.0),
     ("mirrored_direction", "d"): directions,
     ("mirrored_direction", "N_g"): directions,
     # At the poles themselves u has no value.
@@ -63,6 +65,17 @@ SPECIAL = {
     ("erf_inverse", "y"): between(-0.9999, 0.9999, 0.0, -0.5, 0.99),
     ("erf", "x"): between(-8.0, 8.0, 0.0, -1.0, 1.0),
 }
+
+
+def vectors_and_normals(rng, count):
+    """Any vector and a normal; a tenth of them are along it or zero."""
+    n, v = directions(rng, count), rng.normal(size=(count, 3))
+    v[::10] = n[::10] * np.linspace(-2.0, 2.0, len(n[::10]))[:, None]
+    v[5] = 0.0
+    return {"v": v, "N": n}
+
+
+JOINT = {"orthogonal_part": vectors_and_normals}
 TOLERANCE = {
     "erf_inverse": (3e-4, 1e-6),  # 1 - 1e-4 in single precision has three digits of its distance from 1
     # The part across omega_o is what is left of N; next to -omega_o a thousandth of it, with as many digits fewer.

@@ -69,6 +69,25 @@ DOMAINS = {
     "size": choice(256, 4096, 65536),
     "gap": between(0.5, 3.0),
 }
+
+
+def points_of_ellipsoids(rng, count):
+    """Points about their middles; a tenth is the very middle."""
+    center = rng.normal(scale=0.5, size=(count, 3))
+    p = center + rng.normal(size=(count, 3))
+    p[::10] = center[::10]
+    return {"p": p, "center": center}
+
+
+def particles(rng, count):
+    """Two particles; a tenth lie in one place."""
+    p = rng.normal(size=(count, 3))
+    other = rng.normal(size=(count, 3))
+    other[::10] = p[::10]
+    return {"p_0": p, "p_1": other}
+
+
+JOINT = {"d_ellipsoid": points_of_ellipsoids, "part": particles}
 SPECIAL = {("d_sphere", "radius"): between(0.05, 1.0)}
 TOLERANCE = {
     # One part in 6e-8 of the phase, which reaches a thousand radians.

@@ -210,7 +210,18 @@ def across_horizon(rng, count):
     return values
 
 
+def low_discs(rng, count):
+    """Middles of discs about the horizon z = 0, a third of them whole, one in twenty straight above, and their sines."""
+    sin_radius = rng.uniform(0.0, 0.17, count)
+    z = sin_radius * rng.uniform(-1.5, 1.5, count)
+    turn = rng.uniform(0.0, 2.0 * np.pi, count)
+    middle = np.stack([np.sqrt(1.0 - z * z) * np.cos(turn), np.sqrt(1.0 - z * z) * np.sin(turn), z], -1)
+    middle[::20] = 0.0, 0.0, 1.0
+    return {"middle": middle, "sin_radius": sin_radius}
+
+
 JOINT = {
+    "disc_above": low_discs,
     "angle_of": angles,
     "edge_factor": seen_quads("abn"),
     "horizon_point": across_horizon,
@@ -221,6 +232,8 @@ JOINT = {
     "cut_share": edges_about,
 }
 TOLERANCE = {
+    # A sliver of a disc: its height over its share, both small differences.
+    "disc_above": (1e-4, 1e-4),
     # A part of 48 turns.
     "disc_point": (1e-4, 5e-5),
     # Ends that float32 moves along an edge near the point.

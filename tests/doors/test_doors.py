@@ -102,14 +102,14 @@ def test_samples_per_pixel_give_fractional_coverage(tmp_path):
 
 
 def test_diff_measures_and_draws(tmp_path, capsys):
-    a, b = np.full((8, 8, 3), 0.5, "f4"), np.full((8, 8, 3), 0.25, "f4")
+    a, b = np.full((8, 8, 3), 0.75, "f4"), np.full((8, 8, 3), 0.25, "f4")
     write_image(tmp_path / "a.exr", a)
     write_image(tmp_path / "b.exr", b)
     assert run("diff", tmp_path / "a.exr", tmp_path / "b.exr", "--json", "-o", tmp_path / "d.exr", "--scale", "4") == 0
     result = json.loads(capsys.readouterr().out)
-    assert result["rmse"] == pytest.approx(0.25) and result["relmse"] == pytest.approx(0.25**2 / (0.25**2 + 0.01))
-    assert result["psnr"] == pytest.approx(0.0, abs=1e-6) and 0 < result["flip"] <= 1
-    assert np.allclose(read_image(tmp_path / "d.exr"), 1.0)
+    assert result["rmse"] == pytest.approx(0.5) and result["relmse"] == pytest.approx(0.5**2 / (0.25**2 + 0.01))
+    assert result["psnr"] == pytest.approx(20 * np.log10(0.25 / 0.5), abs=1e-6) and 0 < result["flip"] <= 1
+    assert np.allclose(read_image(tmp_path / "d.exr"), 2.0)
 
 
 def test_info_names_the_renderer(capsys):
@@ -198,6 +198,10 @@ def test_wrong_outputs(tmp_path, capsys):
 def test_wrong_commands(capsys):
     assert "render" in fails(capsys, "rendr")
     assert "nothere" in fails(capsys, "render", "nothere", "-o", "a.png")
+    assert "render: --output (-o) is missing: Picture to write" in fails(capsys, "render", "--fabric", "linen")
+    assert "diff: B is missing" in fails(capsys, "diff", "a.png")
+    assert "c.png: more than glcloth diff takes" in fails(capsys, "diff", "a.png", "b.png", "c.png")
+    assert "--fabric: expected a value" in fails(capsys, "render", "-o", "a.png", "--fabric")
 
 
 def test_what_is_no_scene_names_its_option(tmp_path, capsys):

@@ -43,6 +43,17 @@ def picture(data):
     return np.asarray(Image.open(io.BytesIO(data)))
 
 
+def test_a_picture_shows_the_original_beside_the_export_on_a_ball(monkeypatch):
+    """The left half is the cloth, the right one what is given: here half of it; corners are black, the ball goes to its rim."""
+    monkeypatch.setattr(original, "NODES", 24)
+    linen, side = load_fabric("linen"), 64
+    cloth = original.response(linen)
+    picture = original.sphere_pictures(lambda i, o: 0.5 * cloth(i, o), linen, side)
+    left, right = picture[:, :side], picture[:, side:]
+    assert picture.shape == (side, 2 * side, 3) and np.allclose(right, 0.5 * left)
+    assert (left[side // 2, 2:-2] > 0).all() and not left[:8, :8].any()
+
+
 def test_maps_are_one_repeat_whose_mean_is_the_far_cloth(rough, tmp_path, capsys):
     assert run("export", "houndstooth", "-o", tmp_path / "a.zip", "--json") == 0
     said = json.loads(capsys.readouterr().out)

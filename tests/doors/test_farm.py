@@ -56,7 +56,7 @@ def test_errors_of_processes_are_those_of_one_process(monkeypatch):
     pipe = SimpleNamespace(recv=lambda: 0, send=sent.append)
     monkeypatch.setattr(sys, "stderr", sys.stderr)  # which a process takes over
     for error in (InputError("a"), ShaderError("b"), DriverError("c"), MemoryError("d"), KeyError("e")):
-        pool._work(pipe, Wrong(error))
+        pool._work(pipe, Wrong(error), 1)
         kind, text = sent.pop()
         assert pool.KINDS.get(kind, KeyError) is type(error) and str(error) in text
 

@@ -1,16 +1,20 @@
 """Do the tests notice a fault? One small text change after the other, and the tests of the room that it is in:
-python tests/measure/mutants.py OUT.jsonl [--each 15] [--seed 1] [--rooms cameras,images] [--seconds 300].
+python tests/measure/mutants.py OUT.jsonl [--each 14] [--seed 20] [--rooms cameras,images] [--seconds 200].
 
-The changes are OPERATORS, at places that the seed chooses among all places of a room's files outside comments. The work
-goes on where OUT.jsonl ends; lines in it are {id, room, file, line, was, now, result, by}. At the end the score and the
-survivors are printed. A copy of the project in a temporary folder is changed, never the project.
+The changes are OPERATORS, at places that the seed chooses among all places of a room's files outside comments; a place is
+chosen by its own text, so that changes elsewhere in the project do not choose others. The work goes on where OUT.jsonl
+ends, until each room has so many; lines in it are {room, file, line, was, now, result, by}. At the end the score and the
+survivors are printed. A copy of the project in a temporary folder is changed, never the project; tests that fail without
+a change would count as catches, so begin with none. `--seconds` are of CPU, for all tests of one stage.
 """
 
 import common  # noqa: I001
+import hashlib
 import json
 import os
-import random
 import re
+import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -18,44 +22,33 @@ from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-# Room: its files, and the tests that know it.
+# Room: its files, and the tests that know it beside those of NEAREST.
+TRACER = "tests/pictures/test_tracer.py tests/pictures/test_path.py tests/pictures/test_path_curtain.py"
 ROOMS = {
-    "fibre": (
-        "glsl/core/*.glsl glsl/fibre/*.glsl",
-        "tests/twins/test_twins.py tests/twins/test_truth.py",
-    ),
-    "gaussians": (
-        "glsl/sg/*.glsl",
-        "tests/twins/test_twins.py tests/twins/test_sg_truth.py",
-    ),
+    "fibre": ("glsl/core/*.glsl glsl/fibre/*.glsl", "tests/twins/test_truth.py"),
+    "gaussians": ("glsl/sg/*.glsl", "tests/twins/test_sg_truth.py tests/pictures/test_paper_method.py"),
     "direct": (
         "glsl/direct/*.glsl glsl/inputs/methods/direct*.glsl glcloth/methods/direct/*.py",
-        "tests/twins/test_twins.py tests/pictures/test_direct.py",
+        "tests/pictures/test_parts.py tests/pictures/test_direct.py",
     ),
-    "woven": (
-        "glsl/woven/*.glsl",
-        "tests/twins/test_twins.py tests/twins/test_woven.py",
-    ),
+    "woven": ("glsl/woven/*.glsl", "tests/twins/test_woven.py"),
     "accel": (
         "glsl/trace/*.glsl glsl/inputs/accel/*.glsl glsl/passes/accel/*.comp",
-        "tests/twins/test_twins.py tests/structures/test_accel.py tests/structures/test_structures.py "
-        "tests/pictures/test_tracer.py",
+        "tests/structures/test_accel.py tests/structures/test_structures.py tests/pictures/test_photons.py "
+        "tests/structures/test_races.py tests/pictures/test_tracer.py",
     ),
     "tracing": (
         "glsl/passes/tracing/*.comp glsl/inputs/tracing/*.glsl glcloth/tracing/*.py",
-        "tests/pictures/test_tracer.py tests/pictures/test_path.py tests/pictures/test_curtain_views.py",
+        f"{TRACER} tests/pictures/test_curtain_views.py tests/structures/test_races.py tests/structures/test_counts.py",
     ),
     "simulation": (
         "glsl/simulate/*.glsl glsl/passes/simulation/*.comp glcloth/simulation/cloth.py",
-        "tests/twins/test_twins.py tests/structures/test_simulation.py tests/structures/test_curtain_cloth.py",
+        "tests/structures/test_simulation.py tests/structures/test_curtain_cloth.py",
     ),
-    "images": (
-        "glcloth/image.py glcloth/color.py glcloth/metrics.py",
-        "tests/values/test_image.py",
-    ),
+    "images": ("glcloth/image.py glcloth/color.py glcloth/metrics.py", "tests/values/test_image.py"),
     "cameras": (
         "glcloth/geometry/camera.py glcloth/picture/sequence.py",
-        "tests/pictures/test_planted.py tests/pictures/test_pictures.py",
+        "tests/values/test_camera.py tests/pictures/test_check.py tests/pictures/test_planted.py",
     ),
     "light": (
         "glcloth/light/equirect.py glcloth/light/suns.py glcloth/light/harmonics.py glcloth/light/fit.py "
@@ -65,9 +58,26 @@ ROOMS = {
     ),
     "visibility": (
         "glsl/passes/visibility/*.comp glsl/inputs/visibility/*.glsl glcloth/visibility/*.py",
-        "tests/pictures/test_planted.py tests/pictures/test_shadows.py tests/pictures/test_solids.py",
+        "tests/pictures/test_planted.py tests/pictures/test_shadows.py tests/pictures/test_solids.py "
+        "tests/pictures/test_through.py tests/pictures/test_reference_shadows.py",
     ),
 }
+# The tests that are nearest to a file (a pattern of its name), tried before all of its room.
+NEAREST = {
+    "glsl/inputs/methods/direct|glsl/direct/": "tests/pictures/test_check.py",
+    "glcloth/methods/direct/": "tests/pictures/test_check.py tests/pictures/test_planted.py",
+    "passes/tracing/(path|picture)|tracing/(path|sky|energy)": "tests/pictures/test_path.py",
+    "tracing/(denoise|holes|path_)": "tests/pictures/test_path_curtain.py tests/pictures/test_traced_holes.py",
+    "passes/tracing/|glcloth/tracing/|inputs/tracing/": "tests/pictures/test_check.py",
+    "tracing/(layers|plain|tree_view)": "tests/pictures/test_curtain_views.py",
+    "tracing/(indirect|local_light)": "tests/pictures/test_radiosity.py tests/pictures/test_photons.py",
+    "(sheer|sheet|behind|straight)": "tests/pictures/test_through.py",
+    "visibility/(sun|finer|coarse)": "tests/pictures/test_soft_suns.py",
+    "visibility/(bounce|furnace|hit|lit|irradiance|reflectance|ground)": "tests/pictures/test_solids.py",
+    "visibility/": "tests/pictures/test_check.py",
+    "geometry/camera": "tests/values/test_camera.py",
+    "picture/sequence": "tests/doors/test_farm.py tests/doors/test_doors.py::test_animate_follows_poses_from_files_and_resumes",
+}  # fmt: skip
 # What is found, and what stands there instead.
 OPERATORS = [
     (r" \+ ", " - "), (r" - ", " + "), (r" \* ", " / "), (r" < ", " > "), (r" > ", " < "), (r" <= ", " < "), (r" >= ", " > "),
@@ -76,6 +86,35 @@ OPERATORS = [
     (r"\.x\b", ".y"), (r"\.z\b", ".x"), (r"\b1e-4\b", "1e-1"), (r" && ", " || "), (r" and ", " or "), (r"\bnot ", ""),
     (r"\bbarrier\(\);", ""), (r"\[::-1\]", ""), (r"\babs\(", "("), (r"\bnormalize\(", "("), (r"\bsqrt\(", "("),
 ]  # fmt: skip
+
+
+# One process imports all that the twins' tests want, and tries each change of a library in a fork of itself: a start of pytest
+# costs more than the tests.
+TWINS = """
+import os, resource, sys
+sys.path[:0] = [f"{sys.argv[1]}/tests/twins", f"{sys.argv[1]}/tests"]
+import test_twins
+from glcloth.gpu.context import create_context
+for line in sys.stdin:
+    file, seconds = line.split()
+    child = os.fork()
+    if child == 0:
+        resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds)))
+        said = "ok"
+        try:
+            with create_context() as ctx:
+                for case in test_twins.CASES:
+                    if case.values[0] == file:
+                        said = f"tests/twins/test_twins.py::test_twin[{case.id}]"
+                        test_twins.test_twin(ctx, *case.values)
+                        said = "ok"
+        except BaseException:
+            pass
+        print(said, flush=True)
+        os._exit(0)
+    if os.waitpid(child, 0)[1]:
+        print("took more CPU than it may", flush=True)
+"""
 
 
 def places(path):
@@ -97,29 +136,44 @@ def places(path):
                 yield number, match.start(), match.end(), match.expand(now)
 
 
-def chosen(room, each, seed):
-    """The changes of a room: {id: (file, line, start, end, now)}, no two on one line."""
-    rng, all_, lines = random.Random(f"{seed} {room}"), [], set()
+def chosen(room, count, seed, known):
+    """Changes of a room, [(file, line, start, end, now)]: so many, no two on one line, none of those known."""
+    found, taken = [], set()
     for pattern in ROOMS[room][0].split():
         for path in sorted(ROOT.glob(pattern)):
-            all_ += [(path.relative_to(ROOT).as_posix(), *place) for place in places(path)]
-    rng.shuffle(all_)
-    out = {}
-    for file, line, start, end, now in all_:
-        if len(out) < each and (file, line) not in lines:
-            lines.add((file, line))
-            out[f"{room} {file}:{line + 1}:{start} {now.strip()}"] = file, line, start, end, now
+            file, lines = path.relative_to(ROOT).as_posix(), path.read_text(encoding="utf-8").splitlines()
+            for line, start, end, now in places(path):
+                was = lines[line]
+                text = was.strip(), (was[:start] + now + was[end:]).strip()
+                order = hashlib.sha256(repr((seed, file, *text)).encode()).digest()
+                found.append((order, (file, *text), (file, line, start, end, now)))
+    out = []
+    for _, key, change in sorted(found):
+        if len(out) < count and key not in known and key[:2] not in taken:
+            taken.add(key[:2])
+            out.append(change)
     return out
 
 
 def selections(file, room):
-    """Arguments of pytest, the quickest tests first: a library's twins, and then all tests of the room."""
-    if file.startswith("glsl/"):
-        yield ["tests/twins/test_twins.py", "-k", file.removeprefix("glsl/").split(".")[0]]
-    yield ["-m", "not slow", *ROOMS[room][1].split()]
+    """Arguments of pytest, the nearest tests first: those of NEAREST, and then all of the room."""
+    nearest = [test for pattern, tests in NEAREST.items() if re.search(pattern, file) for test in tests.split()]
+    if nearest:
+        yield ["-m", "not slow", *nearest]
+    yield ["-m", "not slow", *(test for test in ROOMS[room][1].split() if test not in nearest)]
 
 
-def tried(folder, room, change, seconds):
+def of_twins(twins, file, seconds):
+    """Which of a library's twins notices: its test, or nothing."""
+    if not (file.startswith("glsl/") and len(file.split("/")) == 3):
+        return ""
+    twins.stdin.write(f"{file.removeprefix('glsl/')} {seconds}\n")
+    twins.stdin.flush()
+    said = twins.stdout.readline().strip()
+    return "" if said == "ok" else said
+
+
+def tried(folder, twins, room, change, seconds):
     """What the tests of a room say of a change: (result, by, was, now)."""
     file, line, start, end, now = change
     path = folder / file
@@ -128,16 +182,25 @@ def tried(folder, room, change, seconds):
     was = lines[line]
     lines[line] = was[:start] + now + was[end:]
     path.write_text("\n".join(lines), encoding="utf-8")
-    result, by = "survived", ""
-    for which in selections(file, room):
+    by = of_twins(twins, file, seconds)
+    result = "caught" if by else "survived"
+    for which in () if by else selections(file, room):
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *which]
-        env = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"}
+        env = {**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1", "LP_NUM_THREADS": "1"}
+        limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds))  # noqa: E731
         try:
-            done = subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, timeout=seconds)
+            done = subprocess.run(
+                command, cwd=folder, env=env, capture_output=True, text=True, timeout=20 * seconds, preexec_fn=limit
+            )
         except subprocess.TimeoutExpired:
-            result, by = "undecided", "took too long"  # for the machine was busy, or for the fault
+            result, by = "undecided", "waited too long"
             break
-        if done.returncode not in (0, 5):  # 5: no such test
+        if done.returncode in (-signal.SIGKILL, -signal.SIGXCPU):
+            result, by = "caught", f"took more than {seconds} s of CPU"
+            break
+        if done.returncode == 4:
+            raise SystemExit(f"these tests do not exist any more: {which}")
+        if done.returncode not in (0, 5):  # 5: none of that name
             failed = re.search(r"^(?:FAILED|ERROR) (\S+)", done.stdout, re.M)
             result, by = "caught", failed[1] if failed else f"exit code {done.returncode}"
             break
@@ -159,11 +222,12 @@ def report(rows):
 
 def main():
     """Try all changes that OUT.jsonl does not hold yet, room by turn."""
-    args = common.options(__doc__, [], each=15, seed=1, rooms=list(ROOMS), seconds=600)
+    args = common.options(__doc__, [], each=14, seed=20, rooms=list(ROOMS), seconds=200)
     out = Path(args.environments[0] if args.environments else "mutants.jsonl")
     rows = [json.loads(line) for line in out.read_text().splitlines()] if out.is_file() else []
-    known = {row["id"] for row in rows}
-    jobs = [[(room, *job) for job in chosen(room, args.each, args.seed).items()] for room in args.rooms]
+    known = {(row["file"], row["was"], row["now"]) for row in rows}
+    done = Counter(row["room"] for row in rows)
+    jobs = [[(room, job) for job in chosen(room, args.each - done[room], args.seed, known)] for room in args.rooms]
     turns = [job for turn in range(args.each) for room in jobs for job in room[turn : turn + 1]]
     with tempfile.TemporaryDirectory() as folder:
         files = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, check=True).stdout.split(b"\0")
@@ -171,15 +235,18 @@ def main():
             target = Path(folder) / os.fsdecode(name)
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes((ROOT / os.fsdecode(name)).read_bytes())
-        for room, number, change in turns:
-            if number in known:
-                continue
-            result, by, was, now = tried(Path(folder), room, change, args.seconds)
-            row = {"id": number, "room": room, "file": change[0], "line": change[1] + 1, "was": was, "now": now}
+        env = {**os.environ, "PYTHONPATH": folder, "PYTHONDONTWRITEBYTECODE": "1", "LP_NUM_THREADS": "1"}
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        twins = subprocess.Popen([sys.executable, "-c", TWINS, folder], cwd=folder, env=env, **pipes)
+        for room, change in turns:
+            result, by, was, now = tried(Path(folder), twins, room, change, args.seconds)
+            row = {"room": room, "file": change[0], "line": change[1] + 1, "was": was, "now": now}
             rows.append(row | {"result": result, "by": by})
             with out.open("a") as file:
                 file.write(json.dumps(rows[-1]) + "\n")
-            print(result, number, by, flush=True)
+            print(result, room, f"{change[0]}:{change[1] + 1}", now, "|", by, flush=True)
+        twins.stdin.close()
+        twins.wait()
     report(rows)
 
 

@@ -128,11 +128,11 @@ with glcloth.Renderer() as renderer, tempfile.TemporaryDirectory() as folder:
     paths = CurtainPaths(renderer.ctx, show.room)
     paths.tracer = Lambertian(renderer.ctx)
     paths.tracer.albedo = albedo
-    mesh, shot = show.simulation.mesh(), show.shot()
-    for _ in paths.steps(mesh, shot, 1, vertices=depth):
+    meshes, shot = show.simulation.meshes(), show.shot()
+    for _ in paths.steps(meshes, shot, 1, vertices=depth):
         pass
     begin, cpu = time.perf_counter(), time.process_time()
-    for _ in paths.steps(mesh, shot, spp, vertices=depth):
+    for _ in paths.steps(meshes, shot, spp, vertices=depth):
         pass
     ours_s, ours_cpu = time.perf_counter() - begin, time.process_time() - cpu
     sums = paths.tracer.sums()
@@ -147,7 +147,7 @@ with glcloth.Renderer() as renderer, tempfile.TemporaryDirectory() as folder:
             save_mesh(files[-1], faceted(room.positions[room.material == k]))
             colors.append(color)
     cloth = os.path.join(folder, "cloth.ply")
-    save_mesh(cloth, mesh)
+    save_mesh(cloth, show.simulation.mesh())
     theirs_scene = mitsuba_scene(mi, cloth, files, colors, shot, straight, albedo, spp)
     integrator = mi.load_dict({"type": "volpath", "max_depth": depth + 1 if depth > 1 else 2, "rr_depth": 5})
     np.asarray(mi.render(theirs_scene, integrator=integrator, spp=1, seed=9))

@@ -7,6 +7,7 @@ SIGKILL when half the frames are there. --cluster also does it by a Dask schedul
 last joins late and one is killed. Printed: seconds of wall and of CPU of each, and whether frames are equal to the bit.
 """
 
+import ctypes
 import os
 import resource
 import signal
@@ -21,28 +22,38 @@ import numpy as np
 
 from glcloth.image import read_image
 
+PR_SET_CHILD_SUBREAPER = 36
+
 
 def command(folder, options, *more):
     words = ["animate", "-o", folder / "%04d.exr", "--frames", options.frames, "--size", options.size]
     return [sys.executable, "-m", "glcloth", *map(str, [*words, "--fabric", options.fabric, *more])]
 
 
+def below(parent):
+    """The fork servers that a process started, or the workers that a fork server forked."""
+    found = subprocess.run(["pgrep", "-P", str(parent), "-f", "forkserver"], capture_output=True, text=True).stdout
+    return [int(p) for p in found.split()]
+
+
 def children(pid):
-    """Processes of multiprocessing that a process started."""
-    found = subprocess.run(["pgrep", "-P", str(pid), "-f", "spawn_main"], capture_output=True, text=True).stdout.split()
-    return [int(p) for p in found]
+    """The workers of a command."""
+    return [worker for server in below(pid) for worker in below(server)]
 
 
 def timed(words, folder, half=None, victims=None):
     """(wall, CPU) seconds of a command; when `half` frames are there, a process of `victims` is killed."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     begin = time.perf_counter()
+    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)  # the fork server outlives its command, and is ours then
     process = subprocess.Popen(words)
     while process.poll() is None:
         if half is not None and len(list(folder.glob("*.exr"))) >= half:
             os.kill(victims(process.pid)[0], signal.SIGKILL)
             half = None
         time.sleep(0.05)
+    for server in below(os.getpid()):
+        os.waitpid(server, 0)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     if process.returncode:
         sys.exit(f"{words[3]}: exit {process.returncode}")

@@ -42,10 +42,11 @@ def places(size=SIZE):
     return p[..., 0], p[..., 2]
 
 
-@pytest.mark.parametrize("method", ["direct", "reference"])
+@pytest.mark.parametrize("method", ["direct", "reference", "path"])
 def test_its_alpha_is_the_share_of_light_that_is_hidden(renderer, method):
     """The ground is at the height 0: a square of sun's shadow, black in the sun's share of the light."""
     look = {**LOOK, "ground": "catcher", "lights": lights(3.0, 1e-3), "method": method, "cube": 4, "background": False}
+    look["spp"] = 16 if method == "path" else 1
     # `catcher` lies just under the lowest point, so a second, tiny sheet stands on the ground far away.
     foot = build_mesh("foot", np.array([[9.0, 0.004, 9], [9.01, 0.004, 9], [9, 0.004, 9.01]]), np.array([[0, 2, 1]]))
     del look["mesh"]

@@ -9,6 +9,7 @@ from glcloth.bench.curtain import bench_curtain
 from glcloth.curtain.show import CurtainShow, camera_of
 from glcloth.errors import InputError
 from glcloth.picture import curtain_layers
+from glcloth.picture.layers import LIGHT
 from glcloth.scene import CurtainParameters, Scene
 
 SMALL = Scene(size=(48, 48), curtain=CurtainParameters(quads=(48, 12), pleats=4, settle=0.2))
@@ -133,5 +134,34 @@ def test_layers_of_the_curtain_are_what_its_rays_meet(renderer, monkeypatch):
     pairs = layers["CryptoObject"].reshape(30, 40, -1, 2)
     np.testing.assert_allclose(pairs[..., 1].sum(-1)[layers["depth"] < 1e9], 1.0, atol=1e-6)
     assert "curtain" in layers.names["CryptoObject"] and len(layers.names["CryptoObject"]) > 2
-    with pytest.raises(InputError, match="aov bounce: not of the curtain, which has depth,normal"):
-        renderer.render(scene, aovs="bounce")
+    with pytest.raises(InputError, match="aov bounce: method path keeps kinds of light in one sum"):
+        renderer.render(scene, aovs="bounce", method="path")
+
+
+@pytest.mark.parametrize(
+    "traced",
+    [{"spp": 2}, {"accelerator": "lbvh", "spread": True}, {"gi": "photons", "photons": 2000}],
+    ids=["layers", "nearest hits", "photons"],
+)
+def test_light_of_the_curtain_adds_up(renderer, traced):
+    """Each kind is dark without its source, and the sum is the picture, which is that without layers."""
+    narrow = SMALL.curtain.changed(width=1.4, quads=(24, 12), pleats=3)  # so that the window is seen beside it
+    scene = SMALL.changed(size=(40, 30), fabric="linen_curtain", curtain=narrow, **traced)
+    layers = renderer.render(scene, aovs=(*LIGHT, "mask", "albedo"))
+    picture = layers["beauty"]
+    np.testing.assert_allclose(sum(layers[name].astype(float) for name in LIGHT), picture, atol=1e-5 * picture.max())
+    cloth = layers["mask"] == 1.0
+    assert all(layers[name].max() > 0.01 for name in ("direct", "bounce", "background")), "each has something"
+    assert layers["transmission"][cloth].mean() > 0.02 and not layers["transmission"][layers["mask"] == 0.0].any()
+    assert not layers["background"][cloth].any(), "what is seen through cloth comes through it"
+    assert np.ptp(layers["albedo"][cloth], 0).max() < 1e-6 < layers["albedo"][cloth].mean()
+    if "gi" not in traced:
+        assert np.array_equal(picture, renderer.render(scene)), "they change nothing"
+        dark = renderer.render(scene, aovs=LIGHT, lamp_intensity=(0, 0, 0))
+        assert not dark["direct"].any()
+        np.testing.assert_allclose(dark["background"], layers["background"], atol=1e-6)
+        # Even light is on what is seen first; what cloth mirrors of the lamp's light is gone with it.
+        assert (layers["bounce"] >= dark["bounce"] - 1e-6).all() and dark["bounce"].max() > 0.01
+        np.testing.assert_allclose(
+            renderer.render(scene, aovs=LIGHT, ambient=(0, 0, 0))["direct"], layers["direct"], atol=1e-6
+        )

@@ -1,5 +1,7 @@
 """Maps over the UVs of cloth: prints, and where cloth is open."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from PIL import Image
@@ -14,6 +16,7 @@ from glcloth.geometry.mesh import Mesh
 from glcloth.image import decode_codes, write_image
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.cloths import Cloth
+from glcloth.picture.masks import part_pattern
 from glcloth.picture.openings import load_opacity
 from glcloth.scene import FabricMaskMap, OpacityMap, PrintMap, Scene, load_scene, save_scene
 
@@ -197,17 +200,22 @@ def test_open_cloth_casts_no_shadow(renderer, tmp_path):
 # -- fabric masks --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("method", ["direct", "reference", "paper"])
+@pytest.mark.parametrize("method", ["direct", "reference", "paper", "path"])
 def test_each_half_of_a_mask_has_the_bits_of_its_fabric(renderer, tmp_path, method):
     """The mask's left half is blue, its right half white, which has no fabric of its own."""
     mask = texture(tmp_path, np.repeat(np.repeat([[(0, 0, 1), (1, 1, 1)]], 4, 0), 4, 1))
-    look = {"mesh": board(), "camera": FRONT, "size": (40, 8), "background": False, "shadows": "off", "method": method}
-    look |= {"cube": 6, "grid": 8}
+    look = {"mesh": board(), "camera": FRONT, "size": (40, 8), "background": False, "method": method}
+    look |= {"cube": 6, "grid": 8} | ({"spp": 4} if method == "path" else {"shadows": "off"})
     linen, velvet = (renderer.render(fabric=name, **look) for name in ("linen", "velvet"))
     shown = renderer.render(fabric="linen", fabrics={"#00f": "velvet"}, fabric_mask=mask, **look)
-    assert np.array_equal(shown[:, :20], velvet[:, :20]) and np.array_equal(shown[:, 20:], linen[:, 20:])
+    if method == "path":  # the same samples in another program
+        np.testing.assert_allclose(shown, np.concatenate([velvet[:, :20], linen[:, 20:]], 1), rtol=1e-4, atol=1e-6)
+    else:
+        assert np.array_equal(shown[:, :20], velvet[:, :20]) and np.array_equal(shown[:, 20:], linen[:, 20:])
     assert np.abs(velvet - linen)[..., :3].max() > 0.05
     if method == "direct":
+        textures = {cloth.buffers.cut_out.maps["mask_map"] for cloth in renderer.stage.cloths_in_frame}
+        assert len(renderer.stage.cloths_in_frame) == 2 and len(textures) == 1, "both read one texture"
         masked = {"fabrics": {"#00f": "velvet"}, "fabric_masks": {"board": mask}}
         layers = renderer.render(fabric="linen", **masked, **look, aovs="cryptomatte")
         assert layers.names["CryptoMaterial"] == [load_fabric(name).name for name in ("linen", "velvet")]
@@ -256,6 +264,17 @@ def test_each_place_of_a_mask_casts_the_shadow_of_its_fabric(renderer, tmp_path)
     left = shown[21:23, 6:10] / bare[21:23, 6:10]
     right = shown[21:23, 14:18] / bare[21:23, 14:18]
     assert 0.3 < left.min() and left.max() < 0.9 and right.max() < 0.05
+    # Paths show the same, and a ray picks the same.
+    traced = look | {"shadows": "full", "method": "path", "spp": 8}
+    shown = renderer.render(**traced, **cloths, fabrics=fabrics, fabric_mask=mask)[..., 1]
+    assert [renderer.pick(x, 0.5) for x in (0.4, 0.6)] == [left_side, right_side]
+    assert [renderer.pick(x, 0.02)[::2] for x in (0.4, 0.6)] == [(0, 1), (1, 2)], "beside it the lower one is picked"
+    np.testing.assert_allclose(np.median(shown[21:23, 6:10] / bare[21:23, 6:10]), np.median(left), rtol=0.02)
+    assert shown[21:23, 14:18].max() < 0.02
+    # A place that is cut out is looked through.
+    cut = {"opacities": {"board": texture(tmp_path, np.repeat([[0.0, 1.0]], 2, 0), "cut.exr")}}
+    renderer.render(**traced, mesh=high, fabric="linen", **cut, objects=("sphere",))
+    assert renderer.pick(0.4, 0.5) is None and renderer.pick(0.6, 0.5).names == ()
 
 
 # -- from files and options ----------------------------------------------------------------------------------------------
@@ -298,19 +317,30 @@ def test_maps_that_cannot_be_are_one_line(renderer, tmp_path):
 
 def test_fabric_masks_from_options_and_files(renderer, tmp_path, capsys):
     scene = scene_of(None, SceneOptions(fabric=["linen", "#f00=velvet"], fabric_mask=["m.png"], fabric_mask_repeat=0.5))
-    assert scene.fabrics == {"#f00": "velvet"} and scene.fabric_mask == FabricMaskMap(file="m.png", repeat=0.5)
+    assert scene.fabrics == {"#ff0000": "velvet"} and scene.fabric_mask == FabricMaskMap(file="m.png", repeat=0.5)
     texture(tmp_path, np.repeat([[(1.0, 0.0, 0.0), (0.0, 0.0, 0.0)]], 2, 0), "m.exr")
     (tmp_path / "s.toml").write_text('fabric_mask = "m.exr"\nmesh = "sphere"\n[fabrics]\n"#FF0000" = "velvet"\n')
     scene = load_scene(tmp_path / "s.toml")
     assert Scene.parse(scene.stored()) == scene and scene.fabric_mask.file == str(tmp_path / "m.exr")
     look = {"size": (8, 8), "shadows": "off"}
     renderer.render(scene, **look)
+    # Two spellings of a colour are one, the last counts; and a part may be called as no colour is, or as one.
+    spelt = scene.changed(fabrics={**scene.fabrics, "#F00": "linen"})
+    assert spelt.fabrics == {"#ff0000": "linen"}
+    named = [replace(board(), name=name) for name in ("#a b", "#abc")]
+    patterns = {"#a b": "velvet", part_pattern("#abc"): "linen"}
+    renderer.render(mesh=named, fabrics=patterns, **look)
+    assert [cloth.fabric.name for cloth in renderer.prepare(mesh=named, fabrics=patterns, **look).cloths] == [
+        load_fabric(name).name for name in ("velvet", "linen")
+    ]
     for changes, said in (
         ({"fabrics": {}}, "no colour has a fabric, and the picture has #000000, #ff0000"),
         ({"fabrics": {"#00ff00": "velvet"}}, "no place of the fabric mask has the colour #00ff00"),
-        ({"fabric_mask": None}, "#FF0000 is a colour of a fabric mask, and there is none"),
-        ({"fabrics": {"#12345": "velvet"}}, "expected a colour such as #ff0000"),
-        ({"method": "path", "shadows": "full"}, "fabric masks are not for it"),
+        ({"fabric_mask": None}, "#ff0000 is a colour of a fabric mask, and there is none"),
+        (
+            {"fabrics": {"#12345": "velvet"}},
+            "no part is called #12345, .* a colour of a fabric mask is #rgb or #rrggbb",
+        ),
         ({"mesh": Mesh.from_arrays(board().positions, board().triangles, name="bare")}, "mesh bare has no UVs"),
     ):
         with pytest.raises(InputError, match=said):

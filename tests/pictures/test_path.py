@@ -241,7 +241,6 @@ def test_it_stops_at_the_noise_that_is_asked_for(renderer):
     ("changes", "said"),
     [
         ({"shadows": "off"}, "shadows off"),
-        ({"ground": "catcher"}, "shows its shadow alone"),
         ({"aovs": "depth"}, "picture alone"),
     ],
 )

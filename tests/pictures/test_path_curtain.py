@@ -143,7 +143,7 @@ def test_the_sky_through_the_window_is_the_sky(renderer):
     for rectangles in (portals, portals[:0]):
         paths = CurtainPaths(renderer.ctx, show.room)
         paths._portals = rectangles
-        for _ in paths.steps(show.simulation.mesh(), show.shot(), 64, vertices=3):
+        for _ in paths.steps(show.simulation.meshes(), show.shot(), 64, vertices=3):
             pass
         sums = paths.tracer.sums()
         hit = np.arange(20)[:, None] >= np.full(20, 15)  # floor and table
@@ -192,6 +192,8 @@ def test_denoised_pictures_are_nearer_to_the_truth(renderer, monkeypatch):
     error = lambda p: np.abs(p - truth)[..., :3].mean()  # noqa: E731
     assert error(clean) < 0.7 * error(sums_picture)
     assert abs(clean[..., :3].mean() / truth[..., :3].mean() - 1) < 0.05
-    assert np.abs(clean - truth)[..., 3].mean() < 0.02
+    # Alpha as well: nearer to the truth at outlines, whole within.
+    alpha = lambda p: np.abs(p - truth)[..., 3]  # noqa: E731
+    assert alpha(clean).mean() < 0.9 * alpha(sums_picture).mean() and alpha(clean)[truth[..., 3] > 0.999].max() < 0.05
     np.testing.assert_array_equal(clean, denoised(renderer.path_sums()))
     assert glcloth.Scene(denoise=True).denoise

@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 from glcloth.color import luminance
+from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
@@ -17,7 +18,7 @@ from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture import adaptive
 from glcloth.picture.adaptive import AdaptiveRate
 from glcloth.picture.frame import Cloth
-from glcloth.picture.sequence import orbit
+from glcloth.picture.sequence import orbit, pose_files
 from glcloth.twins import visibility as twin
 
 
@@ -69,6 +70,17 @@ def test_samples_lie_where_they_say_for_the_rasteriser_and_for_rays():
     assert ray == pytest.approx(camera.ray_from_pixel(size) @ (*(pixel + offset), 1.0))
     clip = camera.clip_from_world(size, 0.1, 100.0, offset) @ (*(np.array(camera.eye) + 3.0 * ray), 1.0)
     assert (clip[:2] / clip[3] + 1) / 2 * size == pytest.approx(pixel, abs=1e-6)
+
+
+def test_poses_before_the_first_go_back_to_a_gap(tmp_path):
+    """Frames that move with the cloth before them want those, as far as there is no gap."""
+    for number in (0, 1, 3, 4, 5, 6):
+        (tmp_path / f"{number:02d}.ply").touch()
+    pattern = str(tmp_path / "%02d.ply")
+    assert list(pose_files(pattern, 6, start=5)) == [3, 4, 5]
+    assert list(pose_files(pattern, 7, start=3)) == [3, 4, 5, 6] and list(pose_files(pattern, 2)) == [0, 1]
+    with pytest.raises(InputError, match=r"02\.ply"):
+        pose_files(pattern, 5)
 
 
 def test_the_turntable_goes_counter_clockwise_seen_from_above():

@@ -6,12 +6,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from glcloth.color import luminance
 from glcloth.fabric import load_fabric
 from glcloth.geometry import shapes
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture import stage
+from glcloth.twins.cloth import f_cloth
+from glcloth.twins.sun_disc import disc_directions
 
 NO_LIGHT = SphericalGaussians([], [], [])
 TOWARD = np.array([-1.0, 0.0, 1.0]) / np.sqrt(2.0)
@@ -134,3 +137,23 @@ def test_six_wide_suns_through_sheer_folds_are_the_sum_of_each(renderer):
 
     whole, each = lit(slice(None)), sum(lit([number]) for number in range(6))
     np.testing.assert_allclose(whole, each, atol=1e-5 * whole.max())
+
+
+@pytest.mark.parametrize(
+    ("method", "name", "bound"),
+    [("direct", "velvet", 0.04), ("direct", "linen", 0.08), ("reference", "velvet", 0.04), ("paper", "linen", 0.02)],
+)
+def test_the_horizon_cuts_the_disc(renderer, method, name, bound):
+    """Cloth that a disc lights from its horizon, up or down; a point in its middle is 15 % off for velvet, 45 for linen."""
+    rng, fabric = np.random.default_rng(3), load_fabric(name)
+    got, expected = [], []
+    for height in np.repeat([-0.6, 0.0, 0.4, 0.8], 6):
+        azimuth, z, turn = rng.uniform(0, 2 * np.pi), rng.uniform(0.2, 0.9), rng.normal(np.pi, 0.5)
+        sun = np.array([np.cos(azimuth), np.sin(azimuth), np.sin(np.radians(1.5 * height))])
+        view = np.sqrt(1 - z * z) * np.array([np.cos(azimuth + turn), np.sin(azimuth + turn), 0]) + [0, 0, z]
+        lights = Lights(NO_LIGHT, Suns([sun], [[1.0, 1.0, 1.0]], np.radians(1.5)))
+        disc = disc_directions(sun / np.linalg.norm(sun), np.radians(1.5), 1500)
+        expected.append(luminance(f_cloth(disc[disc[:, 2] > 0], view, *fabric.arrays()).sum(0) / 1500))
+        got.append(luminance(renderer.radiance(fabric, view, lights, method=method).astype(float))[0])
+    error = np.abs(np.array(got) - expected).mean() / np.mean(expected)
+    assert error < bound, f"{error:.1%}"

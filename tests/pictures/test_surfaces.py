@@ -12,6 +12,8 @@ from glcloth.geometry.mesh_files import load_mesh
 from glcloth.geometry.props import Objects, stand_on
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.frame import Cloth
+from glcloth.twins.cloth import f_cloth
+from glcloth.twins.directions import even_directions
 
 SIZE = (132, 88)
 CAMERA = Camera((0.2, 0.6, 2.3), (0.0, 0.0, -0.3), fov_deg=45.0)
@@ -166,3 +168,24 @@ def test_parts_of_one_mesh_wear_their_own_fabrics(renderer, meshes, tmp_path):
     assert len(renderer.stage.cloths_in_frame) == 1
     frame = renderer.prepare(mesh=list(meshes), fabrics={meshes[1].name.replace("[", "?"): SATIN}, lights=LIGHTS)
     assert len(frame.cloths) == 2 and frame.camera.target == pytest.approx(tuple(both.center))
+
+
+def test_what_bounces_off_a_fabric_is_known_well(renderer):
+    """Its reflectance in steps of a percent, and what a furnace of narrow lobes shows each viewer."""
+    renderer.render(mesh="plane", fabric=SATIN, lights=LIGHTS, size=(16, 12), quality="draft", background=False)
+    cloth = renderer.stage.cloths[0]
+    furnace, fabric = cloth.visibility.furnace, load_fabric(SATIN)
+    exact = furnace.albedo(cloth.scene_buffers) * cloth.visibility.limit
+    np.testing.assert_allclose(cloth.reflectance, exact, rtol=0.0051)
+    rows, columns = np.arange(12), np.arange(0, 24, 11)
+    texels = np.frombuffer(furnace.views(cloth.scene_buffers).read(), "f2").reshape(2, 12, 24, 4)[0, :, columns, :3]
+    lit = even_directions(3000)
+    got, expected = [], []
+    for row in rows:
+        for column, texel in zip(columns, texels[:, row], strict=True):
+            z, phi = (row + 0.5) / 12, 2 * np.pi * (column + 0.5) / 24
+            view = np.array([np.sqrt(1 - z * z) * np.cos(phi), np.sqrt(1 - z * z) * np.sin(phi), z])
+            expected.append(luminance(2 * np.pi * f_cloth(lit, view, *fabric.arrays()).mean(0)))
+            got.append(luminance(texel.astype(float)))
+    error = np.abs(np.array(got) - expected)
+    assert error.mean() < 0.03 * np.mean(expected)

@@ -333,6 +333,7 @@ def test_statistics_add_up(tracer):
     assert s.rays[0] == 64 * 64 and len(s.rays) == 4
     assert all(0 < b <= 2 * a for a, b in zip(s.rays, s.rays[1:], strict=False))
     assert all(0 < b <= a for a, b in zip(s.rays, s.shadow_rays, strict=True))
+    assert all(0 < heads <= rays for rays, heads in zip(s.rays, s.heads, strict=True))  # each is cast once
     assert s.total_ms >= sum(s.trace_ms) + sum(s.shade_ms) + sum(s.shadow_ms)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from glcloth.color import luminance
+from glcloth.color import LUMINANCE, luminance
 from glcloth.errors import InputError
 from glcloth.light import equirect, fit, harmonics, lobes, suns
 from glcloth.light.environment import BUILT_IN_NAMES, Environment, load_environment
@@ -357,6 +357,10 @@ def test_report_for_people_and_for_json():
     assert set(data["predicted_error"]) == set(fit.FABRICS)
     text = str(report)
     assert text.startswith("sky: 5 lobes, 1 suns") and text.count("\nlobe") == 5 and text.count("\nsun") == 1
+    shares = sorted(float(line.split()[1].rstrip("%")) for line in text.splitlines() if line.startswith("lobe"))
+    fluxes = np.sort([np.dot(LUMINANCE, lobe["flux"]) for lobe in data["gaussians"]])
+    of_all = float(LUMINANCE @ equirect.total(load_environment("sky").radiance))
+    assert np.allclose(shares, 100 * fluxes / of_all, atol=0.5) and max(shares) > 10
     assert report.predicted["linen"] < report.predicted["satin_charmeuse_front"]
     g = report.lights.gaussians
     whole = (g.amplitude * gaussian_flux(g.sharpness)[:, None]).sum(0) + report.lights.suns.irradiance.sum(0)

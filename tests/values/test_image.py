@@ -194,6 +194,12 @@ def test_png_of_16_bits_and_grey_and_palette(tmp_path):
     png = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 1, 16, 2, 0, 0, 0))
     (tmp_path / "a.png").write_bytes(png + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
     assert np.allclose(read_image(tmp_path / "a.png")[0, :, 1], srgb_decode(values[0] / 65535), rtol=1e-5, atol=1e-7)
+    grey = b"\x00" + np.stack([values[0], [65535, 32768, 65535, 0]], -1).astype(">u2").tobytes()  # with alpha
+    png = b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 1, 16, 4, 0, 0, 0))
+    (tmp_path / "g.png").write_bytes(png + chunk(b"IDAT", zlib.compress(grey)) + chunk(b"IEND", b""))
+    g, light = read_image(tmp_path / "g.png")[0], srgb_decode(values[0] / 65535)
+    assert g.shape == (4, 4) and np.allclose(g[:, 3], [1, 32768 / 65535, 1, 0]) and np.ptp(g[:, :3], axis=1).max() == 0
+    assert np.allclose(g[:, 1], light * g[:, 3], rtol=1e-4, atol=1e-7)
     for mode, channels in (("L", 3), ("LA", 4), ("P", 3), ("1", 3), ("RGBA", 4)):
         Image.new(mode, (3, 2)).save(tmp_path / "m.png")
         assert read_image(tmp_path / "m.png").shape == (2, 3, channels), mode
@@ -290,5 +296,11 @@ def test_view_transforms_agree_with_their_publications():
     assert view(grey, "filmic")[0] == pytest.approx(float(srgb_encode(f(0.36) / f(11.2))), abs=1e-12)
     # Khronos: a base colour between 0.08 and 0.8 loses exactly F_90 = 0.04.
     assert np.allclose(view(np.array([0.5, 0.3, 0.2]), "neutral"), srgb_encode(np.array([0.46, 0.26, 0.16])))
+    # Of its text, brighter: (4, 2, 1) less 0.04 has the peak 3.96, which becomes 1 - 0.24^2 / (3.96 + 0.24 - 0.76), and runs to
+    # white by 1 - 1 / (0.15 * (3.96 - that) + 1).
+    peak = 1 - 0.24**2 / 3.44
+    g = 1 - 1 / (0.15 * (3.96 - peak) + 1)
+    shown = np.array([3.96, 1.96, 0.96]) * peak / 3.96 * (1 - g) + peak * g
+    assert np.allclose(view(np.array([4.0, 2.0, 1.0]), "neutral"), srgb_encode(shown))
     # AgX keeps middle grey near the middle of the display range.
     assert 0.40 < view(grey, "agx")[0] < 0.55

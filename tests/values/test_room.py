@@ -33,11 +33,11 @@ def first_hits(triangles, origin, directions):
 
 def test_the_rod_is_as_long_as_the_rail():
     room = load_room()
-    assert with_rod(room, 2.5) is room
-    wide, metal = with_rod(room, 3.0).positions, room.material == room.names.index("metal")
+    assert with_rod(room, CurtainParameters()) is room
+    wide, metal = with_rod(room, CurtainParameters(width=3.0)).positions, room.material == room.names.index("metal")
     assert np.allclose(np.abs(wide[metal, :, 0]), 1.58) and np.array_equal(wide[~metal], room.positions[~metal])
     with pytest.raises(InputError, match=r"width = 3.9 m.*at most 3.8"):
-        with_rod(room, 3.9)
+        with_rod(room, CurtainParameters(width=3.9))
 
 
 def test_curtain_and_room_have_12786_triangles():

@@ -50,7 +50,7 @@ def node_count(level: int) -> int:
 
 MOST_CUT = 0.64  # of its variance: half a Gaussian has lost as much
 STEP = np.log(1.3)  # between the sharpnesses of the grid of tables
-SUN = 1e9  # sharpness that stands for a directional light
+SUN = 1e9  # sharpness that stands for a point
 
 
 def gaussian_table(sharpness: float, level: int) -> np.ndarray:

@@ -12,7 +12,7 @@ from ...fabric import Fabric
 from ...gpu.buffers import TextureBuffer
 from ...gpu.layout import shared
 from ...gpu.memo import Last
-from ...light.lights import Lights
+from ...light.lights import SUN_RADIUS, WIDEST_SUN, Lights
 from ...scene import Quality
 from ...twins.node import angle_at_column, column_width
 from ...twins.slots import ANGLE_SERIES
@@ -297,6 +297,7 @@ def _warm_up(quality: Quality) -> None:
         level = min(top - i + schedule.shift, len(plan.LADDER) - 1)
         warm(level, max(edges[i] * 0.13, 1e-2), min(edges[i + 1] * 4.5, 1e6))
     warm(0, SUN, SUN)
+    warm(0, 4.0 / WIDEST_SUN**2, 4.0 / SUN_RADIUS**2)
 
 
 def _entries(lights: Lights, schedule: plan.Schedule, lobes, pooled: np.ndarray, broad: np.ndarray) -> list[Entry]:
@@ -310,9 +311,12 @@ def _entries(lights: Lights, schedule: plan.Schedule, lobes, pooled: np.ndarray,
         for level, share in plan.levels(schedule, gaussians.sharpness[k], pooled[k], lobes):
             radiance = gaussians.amplitude[k] * (1.0 - broad[k]) * share
             entries.append(Entry(gaussians.axis[k], radiance, sharpness, pooled[k], level, 1 + k))
+    radius = np.asarray(suns.radius)
     for s in range(len(suns)):
-        radiance = suns.irradiance[s] * SUN / (2.0 * np.pi)
-        entries.append(Entry(suns.direction[s], radiance, SUN, 0.0, 0, sun_number(len(gaussians)) + s))
+        # A disc varies as the Gaussian of this sharpness: so much wider are highlights, and so the horizon cuts it.
+        sharpness = min(4.0 / max(float(radius[s]), 1e-6) ** 2, SUN)
+        radiance = suns.irradiance[s] * sharpness / (2.0 * np.pi)
+        entries.append(Entry(suns.direction[s], radiance, sharpness, 0.0, 0, sun_number(len(gaussians)) + s))
     # Pixels side by side spend as many nodes when the long rules come first.
     entries.sort(key=lambda entry: -node_count(entry.level))
     return [*entries, Entry(np.array([0.0, 0.0, 1.0]), np.zeros(3), SUN, 0.0, 0, 0)]

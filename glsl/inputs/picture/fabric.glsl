@@ -7,18 +7,23 @@
 #include "inputs/methods/threads.glsl"
 
 uniform samplerBuffer fabric_data;
+#ifdef FABRICS
+#include "inputs/tracing/fabrics.glsl"
+#else
 uniform ivec2 tangent_count;  // of yarn 0 and of yarn 1
 uniform float sigma_mask;     // width of shadowing and masking, radians
 uniform float gap;            // 1 - a_1 - a_2 in W's normaliser
+const int fabric_first = 0;
+#endif
 
 Yarn fetch_yarn(int j) {
-    vec4 p = texelFetch(fabric_data, 2 * j);
-    vec4 q = texelFetch(fabric_data, 2 * j + 1);
+    vec4 p = texelFetch(fabric_data, fabric_first + 2 * j);
+    vec4 q = texelFetch(fabric_data, fabric_first + 2 * j + 1);
     return Yarn(p.xyz, p.w, q.x, q.y, q.z, q.w);
 }
 
 Tangent fetch_tangent(int t) {
-    vec4 p = texelFetch(fabric_data, 4 + t);
+    vec4 p = texelFetch(fabric_data, fabric_first + 4 + t);
     return Tangent(p.x, p.y, p.z, p.w);
 }
 

@@ -5,8 +5,8 @@ struct Gloss {
     vec3 omega_o;  // world
     vec3 F_0;      // reflectance at normal incidence
     float alpha;   // roughness squared
-    vec3 repeated;  // what light gains that is reflected more than once: of directions,
-    vec3 repeated_lobes;  // and of Gaussians, whose lobes are not GGX quite
+    vec2 albedos;  // shares of even light that leave after one reflection: of GGX, and of its lobes under Gaussians
+    vec3 repeated;  // what light from a direction gains that is reflected more than once
 };
 uniform sampler2D gloss_albedo;  // of cos_o = t^2 and the roughness: both shares, see glcloth/picture/looks.py
 
@@ -15,10 +15,8 @@ Gloss gloss_from(vec3 N, vec3 omega_o, vec3 F_0, float roughness) {
     vec2 size = vec2(textureSize(gloss_albedo, 0));
     vec2 at = vec2(sqrt(clamp(dot(N, omega_o), 0.0, 1.0)), roughness);
     vec2 albedo = textureLod(gloss_albedo, (at * (size - 1.0) + 0.5) / size, 0.0).rg;
-    return Gloss(omega_o, F_0, roughness * roughness, F_repeated(F_0, albedo.x), F_repeated(F_0, albedo.y));
+    return Gloss(omega_o, F_0, roughness * roughness, albedo, F_repeated(F_0, albedo.x));
 }
-
-const float MAP_ALPHA = 0.06;  // of the reference: its directions are a few degrees apart
 
 Gloss gloss;
 vec3 L_gloss = vec3(0.0);

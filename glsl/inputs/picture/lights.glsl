@@ -15,5 +15,5 @@ Gaussian fetch_gaussian(int k) {
 Sun fetch_sun(int s) {
     vec4 p = texelFetch(light_data, 2 * MAX_LOBES + 2 * s);
     vec4 q = texelFetch(light_data, 2 * MAX_LOBES + 2 * s + 1);
-    return Sun(p.xyz, 0.0, q.xyz, 0.0);
+    return Sun(p.xyz, p.w, q.xyz, 0.0);
 }

@@ -31,7 +31,7 @@ void shade(ivec2 pixel) {
     // Matt through and through, as objects are that say nothing else.
     bool matt = finish.x >= 1.0 && finish.y <= 0.0;
     vec3 F_0 = matt ? vec3(0.0) : mix(vec3(DIELECTRIC), base, finish.y);
-    gloss = gloss_from(N, omega_o_at(vec2(pixel) + 0.5), F_0, finish.x);
+    gloss = gloss_from(N, omega_o_at(vec2(pixel) + 0.5), F_0, max(finish.x, LEAST_ROUGHNESS));
     vec3 E = irradiance(pixel, N);
     float cos_o = dot(N, gloss.omega_o);
     vec3 kept = matt ? vec3(1.0) : (vec3(1.0) - F_color(vec3(DIELECTRIC), cos_o)) * (1.0 - finish.y);

@@ -5,6 +5,7 @@ uniform sampler2D hole_map;  // 1 in holes
 uniform float hole_mean;
 uniform vec2 hole_repeats;   // 1/m, along u and v
 uniform ivec2 hole_grid;     // the first triangle, and quads a row
+uniform ivec2 hole_pieces;   // triangles of a piece of cloth, and how many pieces: the cloth behind them is of another weave
 uniform vec2 quad_size;      // metres of flat cloth, along a row and down a column
 uniform vec3 seen_from;      // the eye
 uniform vec2 pixel_size;     // metres that a pixel covers: anywhere, and for each metre away
@@ -14,12 +15,15 @@ float pixel_width(vec3 p) { return pixel_size.x + pixel_size.y * distance(p, see
 
 // The share of holes about a hit of the cloth, in a square of so many metres that is seen at a slant.
 float hole_at(int triangle, vec2 weights, float width, float slant) {
-    int number = triangle - hole_grid.x, quad = number >> 1;
+    int number = triangle - hole_grid.x, piece = number / hole_pieces.x;
+    number -= piece * hole_pieces.x;
+    int quad = number >> 1;
     // Corners as passes/accel/gather_grid.comp has them.
     vec2 place = (number & 1) == 0 ? weights.yx : vec2(1.0 - weights.x, weights.x + weights.y);
     vec2 uv = (vec2(quad % hole_grid.y, quad / hole_grid.y) + place) * quad_size * hole_repeats;
     vec2 texels = width * inversesqrt(max(abs(slant), 0.1)) * hole_repeats * vec2(textureSize(hole_map, 0));
-    return textureLod(hole_map, uv, log2(max(max(texels.x, texels.y), 1.0))).r;
+    float hole = textureLod(hole_map, uv, log2(max(max(texels.x, texels.y), 1.0))).r;
+    return piece < hole_pieces.y ? hole : hole_mean;
 }
 
 // What covers a place of which `hole` is a hole, over what covers the whole cloth.

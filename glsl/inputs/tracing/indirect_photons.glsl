@@ -2,9 +2,10 @@
 // photons that glcloth/curtain/photons.py makes.
 #include "inputs/accel/nearest_points.glsl"
 #include "inputs/tracing/flat_cloth.glsl"
-uniform usamplerBuffer cloth_light;  // of the nodes on its front, row by row from the top, then on its back: two texels, (-) (W/m^2, -)
+uniform usamplerBuffer cloth_light;  // of each piece: of the nodes on its front, row by row from the top, then on its back: two texels, (-) (W/m^2, -)
 uniform ivec2 cloth_nodes;           // across and down
-uniform vec2 cloth_size;             // of the flat cloth, m
+uniform vec4 cloth_width;            // of the flat pieces, m
+uniform vec4 cloth_height;
 
 vec3 indirect_on_solid(int triangle, vec3 p, vec3 N_g) { return nearest_mean(p, N_g); }
 
@@ -21,9 +22,10 @@ vec3 cloth_light_at(int side, ivec2 node, vec2 f) {
 void indirect_on_cloth(int triangle, vec2 weights, vec3 p, vec3 N, out vec3 E, out vec3 E_behind) {
     FlatPlace place = flat_place(triangle, weights, N);
     vec2 last = vec2(cloth_nodes - 1);
-    vec2 at = clamp(vec2(place.p.x, -place.p.y) / cloth_size * last, vec2(0.0), last);
+    vec2 size = vec2(cloth_width[place.piece], cloth_height[place.piece]);
+    vec2 at = clamp(vec2(place.p.x - flat_begin[place.piece], -place.p.y) / size * last, vec2(0.0), last);
     ivec2 node = min(ivec2(at), cloth_nodes - 2);
     vec2 f = at - vec2(node);
-    E = cloth_light_at(place.side, node, f);
-    E_behind = cloth_light_at(1 - place.side, node, f);
+    E = cloth_light_at(2 * place.piece + place.side, node, f);
+    E_behind = cloth_light_at(2 * place.piece + 1 - place.side, node, f);
 }

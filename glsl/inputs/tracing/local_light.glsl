@@ -6,8 +6,10 @@
 uniform vec3 lamp;               // its position
 uniform vec3 intensity;          // W/sr
 uniform vec3 ambient;            // radiance of the even light in the room
+#ifndef FABRICS
 uniform vec3 cloth_albedo;       // of the fabric in even light
 uniform float reflection_limit;  // dims the yarns' reflection so that no energy is gained
+#endif
 
 struct LampRay {
     vec3 direction;  // toward the lamp

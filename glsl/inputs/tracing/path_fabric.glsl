@@ -1,7 +1,8 @@
 // The fabrics of all cloths of the path tracer: their reflectance, exactly, and directions drawn from its lobes.
 // glcloth/tracing/path.py fills the buffers: of each cloth (tangents of yarn 0, of yarn 1, sigma_mask, gap), (rho, k_a, k_t,
-// diffuse), (tau, the triangle behind its last), (eta_1, eta_2, factor of the reflectance, 1 if it lets light through), (albedo, -),
-// (roughness, roughness_p, the pictures of the print and of the opacity), (how often both repeat in a UV unit);
+// diffuse), (tau, the triangle behind its last), (eta_1, eta_2, factor of the reflectance, 1 if it lets light through), (albedo, first row of its mask; -1: none),
+// (roughness, roughness_p, the pictures of the print and of the opacity), (how often both repeat in a UV unit), (the
+// mask's size, how often it repeats); a cloth with a mask has such records for each of its fabrics, one after the other;
 // and the records of inputs/picture/fabric.glsl, FABRIC_TEXELS a cloth.
 #include "core/shared.glsl"
 #include "fibre/frame.glsl"

@@ -12,13 +12,15 @@ uniform samplerBuffer solid_data;    // of each triangle of the objects what it 
 #ifdef PICTURES
 uniform sampler2DArray surface_pictures;  // the first row at v = 0
 uniform samplerBuffer surface_uv;    // of each vertex
+uniform usamplerBuffer mask_words;   // of all fabric masks, row by row: a byte a texel, the fabric of the cloth
+uniform int mask_stride;             // words a row
 #endif
 uniform samplerBuffer cloth_data;    // CLOTH_TEXELS a cloth, see inputs/tracing/path_fabric.glsl
 uniform int cloth_count;
 uniform int cloth_triangles;         // of all cloths; the objects' follow
 uniform int solid_triangles;
 
-const int CLOTH_TEXELS = 7;
+const int CLOTH_TEXELS = 8;
 const float OFFSET = 0.02;           // of the triangle's size: how far rays start from it
 const float FLAT_OFFSET = 2e-5;      // of a flat one, of the distance from the origin
 const float GROUND_OFFSET = 1e-5;    // of the distance
@@ -66,6 +68,17 @@ vec3 picture_at(float number, vec2 at) {
 float closed_at(int cloth, vec2 uv) {
     vec4 maps = texelFetch(cloth_data, CLOTH_TEXELS * cloth + 5), repeats = texelFetch(cloth_data, CLOTH_TEXELS * cloth + 6);
     return picture_at(maps.w, uv * repeats.zw).r;
+}
+
+// Which of the fabrics of a mask a place has, counted from the cloth's first one; 0 without a mask.
+int fabric_at(int cloth, vec2 uv) {
+    float first = texelFetch(cloth_data, CLOTH_TEXELS * cloth + 4).w;
+    if (first < 0.0) return 0;
+    vec4 mask = texelFetch(cloth_data, CLOTH_TEXELS * cloth + 7);
+    // By whole texels, as passes/picture/surface.frag.
+    ivec2 texel = min(ivec2(fract(uv * mask.zw) * mask.xy), ivec2(mask.xy) - 1);
+    uint word = texelFetch(mask_words, mask_stride * (int(first) + texel.y) + texel.x / 4).x;
+    return int(word >> uint(8 * (texel.x & 3)) & 255u);
 }
 
 // What the colours of its yarns are multiplied by.

@@ -11,7 +11,9 @@
 #include "inputs/tracing/holes.glsl"
 #endif
 
+#ifndef FABRICS
 uniform float straight_share;  // of the yarns' light that passes, what goes on straight to the lamp
+#endif
 
 const int NOTED_LAYERS = 8;
 
@@ -52,6 +54,9 @@ vec3 reckon(Visit visit, Ray ray) {
         Surface s = surface_at(i, hit.yz, -ray.d);
         vec3 omega = vec3(dot(ray.d, s.x), dot(ray.d, cross(s.N, s.x)), dot(ray.d, s.N));
         bool counts = triangle != NO_TRIANGLE && !known;
+#ifdef FABRICS
+        take_fabric(i);
+#endif
 #ifdef HOLES
         // Of the light to a pixel: what it covers, drawn together toward the lamp.
         vec3 end = ray.o + ray.t_max * ray.d;

@@ -14,6 +14,7 @@ float V_number(ivec2 pixel, int n) {
 
 #ifdef GLOSSY
 #include "inputs/picture/gloss.glsl"
+const float LEAST_ROUGHNESS = 0.0;
 const float SUN_ALPHA = 0.02;  // a sun is no point: its image in a mirror is a disk
 #endif
 
@@ -24,7 +25,8 @@ vec3 irradiance(ivec2 pixel, vec3 N) {
         E += light.L * (V_number(pixel, 1 + k) * gaussian_irradiance(k, dot(N, light.xi)));
 #ifdef GLOSSY
         L_gloss += light.L * (V_number(pixel, 1 + k)
-            * gloss_of_gaussian(N, light.xi, light.sharpness, gloss.omega_o, gloss.F_0, gloss.alpha)) * gloss.repeated_lobes;
+            * gloss_of_gaussian(N, light.xi, light.sharpness, gloss.omega_o, gloss.F_0, gloss.alpha))
+            * F_repeated_lobes(gloss.F_0, gloss.albedos, light.sharpness);
 #endif
     }
     for (int s = 0; s < sun_count; ++s) {

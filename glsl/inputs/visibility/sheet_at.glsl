@@ -19,12 +19,9 @@ struct Sheet {
     vec3 omega;   // the ray's direction back, surface frame
 };
 
-Sheet sheet_at(Visit visit, vec3 d) {
-#ifdef FINER
-    visit = coarse(visit);
-#endif
-    int t = int(visit.triangle), c = 0;
-    while (c < sheet_count && float(t) >= texelFetch(sheet_data, 2 * c + 1).w) ++c;
+// Of a cloth where its triangle is met.
+Sheet sheet_of(int c, Visit visit, vec3 d) {
+    int t = int(visit.triangle);
     if (c == sheet_count || texelFetch(sheet_data, 2 * c).yz == vec2(0.0)) return Sheet(-1, vec3(0.0));
     ivec3 corners = 3 * ivec3(texelFetch(hit_corners, 3 * t).x, texelFetch(hit_corners, 3 * t + 1).x,
         texelFetch(hit_corners, 3 * t + 2).x);
@@ -37,6 +34,15 @@ Sheet sheet_at(Visit visit, vec3 d) {
     N = facing_normal(normalize(N), -d, 0.02);
     x = orthogonal_part(x, N);
     return Sheet(c, -vec3(dot(d, x), dot(d, cross(N, x)), dot(d, N)));
+}
+
+Sheet sheet_at(Visit visit, vec3 d) {
+#ifdef FINER
+    visit = coarse(visit);
+#endif
+    int t = int(visit.triangle), c = 0;
+    while (c < sheet_count && float(t) >= texelFetch(sheet_data, 2 * c + 1).w) ++c;
+    return sheet_of(c, visit, d);
 }
 
 // The share of the light along a ray that a sheet lets straight on: for rays the one place that says it.

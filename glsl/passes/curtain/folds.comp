@@ -57,6 +57,9 @@ void main() {
         bool met = visit.triangle != NO_TRIANGLE;
         vec3 p = o + visit.t * d;
         Surface s = surface_at(met ? int(visit.triangle) : 0, visit.weights, -d);
+#ifdef FABRICS
+        take_fabric(met ? int(visit.triangle) : 0);
+#endif
         mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
         vec3 omega_o = -d * world_from_surface;
         vec3 straight = T_straight(omega_o, k_a, k_t, tau, rho, diffuse);

@@ -178,13 +178,16 @@ void main() {
                     FlatPlace laid = flat_place(triangle, visit.weights, -photon.d);
                     at = laid.p;
                     n = laid.n;
-                    place = 2 * solid_triangles + laid.side;
+                    place = 2 * (solid_triangles + laid.piece) + laid.side;
                 }
                 int to = 2 * (slots_each * i + arrivals);
                 slot[to] = uvec4(floatBitsToUint(at), packSnorm2x16(octahedral(n)));
                 slot[to + 1] = uvec4(floatBitsToUint(photon.W), uint(place));
                 ++arrivals;
             }
+#ifdef FABRICS
+            take_fabric(triangle);
+#endif
             if (s.cloth) meet_cloth(photon, s, p, visit.t);
             else meet_solid(photon, s, p, arrivals);
             more = most(photon.W) > 0.0;

@@ -1,8 +1,11 @@
 #version 430
-// Adds to each ray of a generation its children's light.   [Mat section 4.2, step 6]
+// Adds to each ray of a generation its children's light; PARTED: also to its kinds.   [Mat section 4.2, step 6]
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 #include "inputs/tracing/counts.glsl"
+#ifdef PARTED
+#include "inputs/tracing/parts.glsl"
+#endif
 uniform samplerBuffer next_radiance;
 uniform usamplerBuffer children;
 layout(std430) buffer Radiances { vec4 radiance[]; };
@@ -20,4 +23,8 @@ void main() {
     if (next.x != 0xffffffffu) sum += texelFetch(next_radiance, int(next.x));
     if (next.y != 0xffffffffu) sum += texelFetch(next_radiance, int(next.y));
     if (next != uvec2(0xffffffffu)) radiance[i] += sum;
+#ifdef PARTED
+    if (next.x != 0xffffffffu) kinds[LIGHT_PARTS * i + THROUGH] += texelFetch(next_radiance, int(next.x));
+    if (next.y != 0xffffffffu) kinds[LIGHT_PARTS * i + BOUNCE] += texelFetch(next_radiance, int(next.y));
+#endif
 }

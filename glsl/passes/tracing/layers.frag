@@ -11,6 +11,9 @@ out vec4 color;
 void main() {
     vec3 o = normalize(viewpoint.xyz - viewpoint.w * p);
     Surface s = surface_at(triangle, weights.yz, o);
+#ifdef FABRICS
+    take_fabric(triangle);
+#endif
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = o * world_from_surface;
     vec3 L = even_light(s) + lamp_light(s, world_from_surface, omega_o, lamp_ray(p, s));

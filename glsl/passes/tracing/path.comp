@@ -2,7 +2,8 @@
 // Progressive path tracing: some samples of every pixel of a part of the picture, added to sums.   [Kajiya 1986; own]
 // Light is sampled at every vertex (a sun; the lamp; a direction of the sky, weighted by the balance heuristic against those that
 // the surface draws   [Veach 1995]), and paths end by Russian roulette. Defines: SHEER, where cloth lets light through;
-// PICTURES, where there are prints, openings or objects with pictures.
+// PICTURES, where there are prints, openings, fabric masks or objects with pictures; CATCHER, where of the ground only the shadow
+// is seen.
 // Few samples a dispatch (glcloth/tracing/path.py): loops may end silently after 65,535 iterations.
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
@@ -31,7 +32,9 @@ uniform vec3 lens_y;
 uniform float focus;                // along the view
 uniform samplerBuffer sun_data;     // of each (direction, share of those up to it), (irradiance over its share, tangent of its radius)
 uniform int drawn_suns;
-uniform vec3 lamp;                  // where it is; it has no size
+uniform vec3 lamp;                  // where it is; no ray meets it
+uniform vec3 lamp_x;                // half axes of its disc
+uniform vec3 lamp_y;
 uniform vec3 intensity;             // W/sr
 uniform bool has_lamp;
 
@@ -69,14 +72,21 @@ uniform bool spread;  // what yarns let through is drawn from its lobes, instead
 
 // The share of light that goes straight on.
 vec3 straight_through(Visit visit, vec3 d) {
+#ifdef PICTURES
+    vec2 uv = uv_at(int(visit.triangle), visit.weights);
+    int cloth = cloth_of(int(visit.triangle));
+    cloth += fabric_at(cloth, uv);
+    Sheet sheet = sheet_of(cloth, visit, d);
+#else
     Sheet sheet = sheet_at(visit, d);
+#endif
     vec3 T = T_s_of(sheet);
     if (spread && sheet.number >= 0) {
         vec4 p = texelFetch(sheet_data, 2 * sheet.number);
         T = vec3(p.y * T_open(sheet.omega, p.x));
     }
 #ifdef PICTURES
-    T = mix(vec3(1.0), T, closed_at(cloth_of(int(visit.triangle)), uv_at(int(visit.triangle), visit.weights)));
+    T = mix(vec3(1.0), T, closed_at(cloth, uv));
 #endif
     return T;
 }
@@ -97,12 +107,19 @@ vec3 light_left(vec3 o, vec3 d, float reach) {
     traverse(ray, visit);
     vec3 T = vec3(visit.t > 0.0 ? 1.0 : 0.0);
     int n = visit.t > 0.0 ? visit.layers : 0;
+    vec4 latest_t = vec4(-1.0), earlier_t = vec4(-1.0);
     while (n-- > 0 && worth(T)) {
         int t = int(visit.latest.x);
         vec4 hit = meet_triangle(ray, corner_of(t, 0), corner_of(t, 1), corner_of(t, 2));
         visit.triangle = uint(t);
         visit.weights = hit.yz;
-        T *= straight_through(visit, d);
+        // Two hits within a hair, as on an edge that two triangles share, are one layer.
+        float hair = 1e-5 * (1.0 + hit.x);
+        bool known = any(lessThan(abs(latest_t - hit.x), vec4(hair))) || any(lessThan(abs(earlier_t - hit.x), vec4(hair)));
+        vec3 straight = straight_through(visit, d);
+        T *= known ? vec3(1.0) : straight;
+        earlier_t = vec4(latest_t.w, earlier_t.xyz);
+        latest_t = vec4(hit.x, latest_t.xyz);
         visit.latest = uvec4(visit.latest.yzw, visit.earlier.x);
         visit.earlier.xyz = visit.earlier.yzw;
     }
@@ -151,23 +168,30 @@ vec3 scattered(Point point, Fabric fabric, vec3 omega_i, vec3 omega_o, vec2 chan
 
 const int SUN = 0, SKY = 1, LAMP = 2;
 
+// A direction to a sun, and its irradiance over the chance to be drawn.
+vec3 drawn_sun(float choice, vec2 place, out vec3 light) {
+    int s = 0;
+    while (s + 1 < drawn_suns && choice >= texelFetch(sun_data, 2 * s).w) ++s;
+    vec4 sun = texelFetch(sun_data, 2 * s + 1);
+    float turn = 2.0 * PI * place.y;
+    light = sun.rgb;
+    return disc_direction(texelFetch(sun_data, 2 * s).xyz, sun.w, sqrt(place.x) * vec2(cos(turn), sin(turn)));
+}
+
 // The light of a sun, of a direction of the sky or of the lamp that reaches a point and goes on along the path.
 vec3 lit(Point point, Fabric fabric, vec3 omega_o, vec2 chances, int kind, Path path) {
     vec3 choice = rnd(), place = rnd();
     vec3 d, light;
     float pdf_sky = 0.0, pdf, reach = 3e38;
     if (kind == LAMP) {
-        vec3 way = lamp - (dot(lamp - point.origin, point.N_g) < 0.0 ? point.behind : point.origin);
+        float turn = 2.0 * PI * place.y;
+        vec3 end = lamp + sqrt(place.x) * (cos(turn) * lamp_x + sin(turn) * lamp_y);
+        vec3 way = end - (dot(end - point.origin, point.N_g) < 0.0 ? point.behind : point.origin);
         reach = max(length(way), 1e-6);
         d = way / reach;
         light = intensity / (reach * reach);
     } else if (kind == SUN) {
-        int s = 0;
-        while (s + 1 < drawn_suns && choice.x >= texelFetch(sun_data, 2 * s).w) ++s;
-        vec4 sun = texelFetch(sun_data, 2 * s + 1);
-        float turn = 2.0 * PI * place.y;
-        d = disc_direction(texelFetch(sun_data, 2 * s).xyz, sun.w, sqrt(place.x) * vec2(cos(turn), sin(turn)));
-        light = sun.rgb;
+        d = drawn_sun(choice.x, place.xy, light);
     } else {
         d = sky_direction(point.origin, choice.xy, place.xy);
         light = sky_radiance(point.origin, d, pdf_sky);
@@ -284,16 +308,55 @@ void go_spread(inout Path path, Point point, vec3 omega_o, vec3 T) {
 }
 #endif
 
+#ifdef CATCHER
+uniform vec2 catcher_middle;    // x and z
+uniform vec2 catcher_fade;      // from this distance on less of it is seen, to that one
+uniform float open_luminance;   // of the irradiance of the ground where nothing hides light
+
+// The share of the light that is hidden from a point of the ground, by one sample of the suns and one of the sky; of many the mean.
+float hidden_at(Point point) {
+    float hidden = 0.0;
+    int kind = drawn_suns > 0 ? SUN : SKY;
+    do {
+        vec3 choice = rnd(), place = rnd(), d, light;
+        float pdf = 1.0;
+        if (kind == SUN) {
+            d = drawn_sun(choice.x, place.xy, light);
+        } else {
+            d = sky_direction(point.origin, choice.xy, place.xy);
+            light = sky_radiance(point.origin, d, pdf);
+        }
+        float seen = luminance(light) * max(d.y, 0.0) * (pdf > 0.0 ? 1.0 / pdf : 0.0);
+        if (seen > 0.0) hidden += seen - luminance(light * light_left(point.origin, d, 3e38)) * d.y / pdf;
+    } while (++kind <= SKY);
+    float shown = 1.0 - smoothstep(catcher_fade.x, catcher_fade.y, length(point.origin.xz - catcher_middle));
+    return shown * hidden / open_luminance;
+}
+#endif
+
 // One surface on the way.
 void meet(inout Path path, Visit visit, inout Sample one) {
     Point point;
     if (visit.triangle == GROUND) point = ground_point(path.o, path.d, visit.t);
     else point = point_at(int(visit.triangle), visit.weights, path.d);
     vec3 omega_o = -path.d * point.frame;
+#ifdef CATCHER
+    if (visit.triangle == GROUND && path.seen) {
+        path.T *= 1.0 - (path.d.y < 0.0 ? hidden_at(point) : 0.0);
+        path.from = behind_layer(visit.t);
+        return;
+    }
+#endif
+#ifdef PICTURES
+    vec2 uv = vec2(0.0);
+    if (visit.triangle != GROUND) {
+        uv = uv_at(int(visit.triangle), visit.weights);
+        if (point.cloth >= 0) point.cloth += fabric_at(point.cloth, uv);
+    }
+#endif
     Fabric fabric = fetch_fabric(max(point.cloth, 0));
 #ifdef PICTURES
     if (visit.triangle != GROUND) {
-        vec2 uv = uv_at(int(visit.triangle), visit.weights);
         if (point.cloth < 0) {
             point.reflectance *= picture_at(texelFetch(solid_data, int(visit.triangle) - cloth_triangles).w, uv);
         } else {

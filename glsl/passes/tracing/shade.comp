@@ -11,7 +11,7 @@
 // transmitted direction from the lobes instead of going straight on. GI, 1: light comes from all around the room instead of
 // `ambient` ("indirect.glsl" finds it), and what cloth lets through is split as in woven/sheet.glsl: T_straight goes on,
 // T_lambert is scattered. HOLES: holes
-// are where the weave has them, instead of everywhere alike.
+// are where the weave has them, instead of everywhere alike. PARTED: keep the kinds of light of these rays apart.
 #include "trace/shared.glsl"
 #include "trace/intersect.glsl"
 #include "trace/spread.glsl"
@@ -25,6 +25,9 @@
 #if GI == 1
 #include "indirect.glsl"
 #endif
+#ifdef PARTED
+#include "inputs/tracing/parts.glsl"
+#endif
 
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
@@ -37,7 +40,7 @@ layout(std430) writeonly buffer Heads { vec4 head_out[]; };
 layout(std430) writeonly buffer Weights { vec4 weight_out[]; };
 layout(std430) writeonly buffer Radiances { vec4 radiance[]; };
 layout(std430) writeonly buffer Children { uvec2 children[]; };
-layout(std430) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray) (radiance, -)
+layout(std430) writeonly buffer Shadows { vec4 shadow_out[]; };  // (origin, ray) (radiance, its kind)
 uniform int stride;
 uniform bool layered;
 uniform int next_last;       // the last place in the next generation's queue; mirrored rays fill it from here down
@@ -91,6 +94,9 @@ void main() {
 #endif
     vec3 seen = weight.rgb * (met ? even : sky(d));
 #else
+#ifdef FABRICS
+    take_fabric(triangle);
+#endif
     mat3 world_from_surface = mat3(s.x, cross(s.N, s.x), s.N);
     vec3 omega_o = -d * world_from_surface;
 #ifdef HOLES
@@ -107,11 +113,15 @@ void main() {
     vec3 even = cloth_albedo * E / PI;
     vec3 through = THROUGH(k_t * (1.0 - 0.5 * diffuse));
 #if SPREAD == 0
-    even += T_lambert(omega_o, k_t, tau, rho, diffuse) * E_behind / PI;
+    vec3 scattered = T_lambert(omega_o, k_t, tau, rho, diffuse) * E_behind / PI;
+    even += scattered;
+#else
+    const vec3 scattered = vec3(0.0);
 #endif
 #else
     vec3 even = even_light(s);
     vec3 through = THROUGH(k_t);
+    const vec3 scattered = vec3(0.0);
 #endif
     vec3 seen = weight.rgb * yarns * even;
     vec4 from = vec4(o, behind_layer(t));
@@ -174,10 +184,24 @@ void main() {
     if (live) {
         radiance[i] = vec4(seen, 0.0);
         children[i] = next;
+#ifdef PARTED
+        int k = LIGHT_PARTS * i;
+        kinds[k + DIRECT] = vec4(0.0);
+#if CLOTH == 1
+        vec3 behind = weight.rgb * yarns * scattered;
+        kinds[k + BOUNCE] = vec4(seen - behind, 0.0);
+        kinds[k + THROUGH] = vec4(behind, 0.0);
+        kinds[k + BEYOND] = vec4(0.0);
+#else
+        kinds[k + BOUNCE] = vec4(met ? seen : vec3(0.0), 0.0);
+        kinds[k + THROUGH] = vec4(0.0);
+        kinds[k + BEYOND] = vec4(met ? vec3(0.0) : seen, 0.0);
+#endif
+#endif
     }
     if (waits) {
         uint k = place_of(WAITING, shadow_claim);
         shadow_out[2u * k] = vec4(p + (l.behind ? -offset : offset) * s.N_g, intBitsToFloat(i));
-        shadow_out[2u * k + 1u] = vec4(direct, 0.0);
+        shadow_out[2u * k + 1u] = vec4(direct, l.behind ? 1.0 : 0.0);
     }
 }

@@ -12,7 +12,7 @@ uniform int first_layer;
 #ifdef FIRST
 layout(rgba8) writeonly uniform image2DArray first_image;
 #else
-uniform sampler2DArray first_seen;  // what FIRST found; 0 where there is nothing
+#include "inputs/visibility/agreed.glsl"
 layout(rgba8) uniform image2DArray seen;  // four suns a texel, written one after the other
 #endif
 
@@ -28,22 +28,6 @@ float seen_of(vec3 x, vec3 omega) {
 #endif
 }
 
-#ifndef FIRST
-// Whether the pixels about this one found what it found.
-bool agreed(ivec2 pixel, float own) {
-    float low = own, high = own;
-    ivec2 last = textureSize(frame_N, 0) - 1;
-    for (int n = 0; n < 9; ++n) {
-        ivec2 at = clamp(pixel + ivec2(n % 3, n / 3) - 1, ivec2(0), last);
-        if (texelFetch(frame_N, at, 0).w == 0.0) continue;
-        float other = texelFetch(first_seen, ivec3(at, sun_number >> 2), 0)[sun_number & 3];
-        low = min(low, other);
-        high = max(high, other);
-    }
-    return high - low < AGREE;
-}
-#endif
-
 void main() {
     ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, textureSize(frame_N, 0)))) return;
@@ -51,14 +35,14 @@ void main() {
     if (N.w == 0.0) return;
     vec3 x = origin_at(pixel);
     if (own_levels > 0) x = origin_finer(pixel, texelFetch(frame_x, pixel, 0).w);
-    // Below the horizon there is no light to hide.
+    // Below the horizon there is no light to hide; of a disc that it cuts the part above counts.
 #ifdef FIRST
     vec4 four = vec4(0.0);
     int s = 0;
     do {
         vec4 sun = texelFetch(sun_data, s);
         float V = 0.0;
-        if (dot(sun.xyz, N.xyz) > 0.0) V = seen_of(x, first_point(pixel, sun));
+        if (dot(sun.xyz, N.xyz) > -sun.w) V = seen_of(x, first_point(pixel, sun));
         if ((s & 3) == 0) four = vec4(0.0);
         four += V * vec4(equal(ivec4(s & 3), ivec4(0, 1, 2, 3)));
         // Store whole texels, and the last one as it is.
@@ -66,12 +50,21 @@ void main() {
     } while (++s < sun_count);
 #else
     vec4 sun = texelFetch(sun_data, sun_number);
-    float V = texelFetch(first_seen, ivec3(pixel, sun_number >> 2), 0)[sun_number & 3];
-    if (dot(sun.xyz, N.xyz) > 0.0 && sun.w > 0.0 && !agreed(pixel, V)) {
+    vec4 own = texelFetch(first_seen, ivec3(pixel, sun_number >> 2), 0);
+    float V = own[sun_number & 3];
+    float height = dot(sun.xyz, N.xyz);
+    bool disagreed = height < sun.w || apart(pixel, sun_number >> 2, own)[sun_number & 3] >= AGREE;
+    if (height > -sun.w && sun.w > 0.0 && disagreed) {
         V = 0.0;
+        float above = 0.0;
         int n = 0;
-        do V += seen_of(x, point_of(pixel, sun, n)); while (++n < points_of(sun));
-        V /= float(points_of(sun));
+        do {
+            vec3 point = point_of(pixel, sun, n);
+            float counts = dot(point, N.xyz) > 0.0 ? 1.0 : 0.0;
+            V += counts * seen_of(x, point);
+            above += counts;
+        } while (++n < points_of(sun));
+        V /= max(above, 1.0);
     }
     ivec3 at = ivec3(pixel, first_layer + (sun_number >> 2));
     vec4 four = (sun_number & 3) == 0 ? vec4(0.0) : imageLoad(seen, at);

@@ -10,22 +10,8 @@ layout(local_size_x = 8, local_size_y = 8) in;
 #ifdef FIRST
 layout(rgba8) writeonly uniform image2DArray first_image;
 #else
-uniform sampler2DArray first_seen;  // what FIRST found; a layer for each sun
+#include "inputs/visibility/agreed.glsl"
 layout(rgba8) writeonly uniform image2DArray seen_behind;
-
-// Whether the pixels about this one found what it found.
-bool agreed(ivec2 pixel, vec4 own) {
-    vec4 low = own, high = own;
-    ivec2 last = textureSize(frame_N, 0) - 1;
-    for (int n = 0; n < 9; ++n) {
-        ivec2 at = clamp(pixel + ivec2(n % 3, n / 3) - 1, ivec2(0), last);
-        if (texelFetch(frame_N, at, 0).w == 0.0) continue;
-        vec4 other = texelFetch(first_seen, ivec3(at, sun_number), 0);
-        low = min(low, other);
-        high = max(high, other);
-    }
-    return all(lessThan(high - low, vec4(AGREE)));
-}
 #endif
 
 void main() {
@@ -47,7 +33,7 @@ void main() {
 #else
     vec4 sun = texelFetch(sun_data, sun_number);
     vec4 own = texelFetch(first_seen, ivec3(pixel, sun_number), 0);
-    if (dot(sun.xyz, N.xyz) < 0.0 && sun.w > 0.0 && !agreed(pixel, own)) {
+    if (dot(sun.xyz, N.xyz) < 0.0 && sun.w > 0.0 && any(greaterThanEqual(apart(pixel, sun_number, own), vec4(AGREE)))) {
         own = vec4(0.0);
         int n = 0;
         do own.rgb += left_along(x, point_of(pixel, sun, n), first); while (++n < points_of(sun));
