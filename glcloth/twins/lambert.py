@@ -1,13 +1,10 @@
 """Twin of the Lambertians' light: a spherical Gaussian's irradiance by the clamped cosine, in float64."""
 
-from functools import lru_cache
-
 import numpy as np
 
 NODES = 256
 
 
-@lru_cache(maxsize=1)
 def _gauss_legendre():
     """NODES nodes and weights of Gauss-Legendre on [-1, 1], by Newton's method: NumPy takes the eigenvalues of a matrix for
     them, which is half a second of all cores."""
