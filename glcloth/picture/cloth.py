@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from ..fabric import Fabric, Transmission
+from ..geometry.hairs import Hairs
 from ..geometry.mesh import Mesh
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
@@ -26,6 +27,7 @@ from ..visibility.sheets import Passed, sees_through
 from ..visibility.vertices import FLAT
 from .adaptive import AdaptiveRate, Shown
 from .frame import Cloth, Frame
+from .fuzz import Fuzz
 from .openings import CutTextures, mostly_closed, open_last
 from .pace import Pace
 from .prints import Print
@@ -58,6 +60,7 @@ class ClothSurface(Surface):
         self._cut = CutTextures(ctx)
         self.adaptive_rate: AdaptiveRate | None = None
         self.threads = Threads(ctx)
+        self.fuzz = Fuzz(ctx)
 
     def named_method(self, name: str) -> Method:
         """The method of a name, made at first use. Raises InputError for an unknown one."""
@@ -207,6 +210,19 @@ class ClothSurface(Surface):
         buffer.shade(self.program(buffer), *inputs, add=add, rows=rows, part=far)
         woven = self.threads.inputs(self.method, buffer)
         buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=near)
+
+    def hairs(self, buffer: GBuffer, frame: Frame) -> Hairs | None:
+        """The hairs that may show beyond its outline in a G-buffer; None: it has none."""
+        weave = self._fabric.weave
+        if not self.threads.woven or weave is None or not weave.fuzz or frame.camera.aperture:
+            return None
+        return self.fuzz.hairs(self._fabric, buffer, self.threads.in_metres, self.threads.far, frame) or None
+
+    def draw_hairs(self, hairs: Hairs, buffer: GBuffer, nearest: moderngl.Texture, frame: Frame) -> None:
+        """Draw them over the finished picture; `nearest`: the depth of all that is in it."""
+        albedo = self.visibility.furnace.albedo(self.scene_buffers)
+        inputs = self.threads.inputs(self.method, buffer)
+        self.fuzz.draw(self._fabric, albedo, hairs, buffer, nearest, self.visibility, frame, inputs)
 
     def straight_program(self, buffer: GBuffer) -> Draw:
         if not self.threads.woven:

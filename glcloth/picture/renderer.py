@@ -256,6 +256,7 @@ class Renderer:
                     gathering.see(target, surfaces, cameras[sample], sample)
             for finished in self._shade(target, surfaces, number, 1.0 / len(samples), total > 1, pace, frame):
                 yield done + finished, total
+        self.stage.draw_hairs(target, frame)
         if gathering is not None:
             gathering.shaded(target)
         if frame.scene.background:
