@@ -72,7 +72,7 @@ def test_hairs_stand_out_and_the_cloth_stays(renderer):
         renderer.render(mesh=sheet(), fabric=fuzzy(fuzz), camera=camera(0.03), **LOOK) for fuzz in (12.0, 0.0)
     )
     beyond, rim, within = slice(0, 74), slice(76, 110), slice(110, 150)
-    assert without[beyond, :, 3].max() == 0.0 and 0.004 < with_hairs[beyond, :, 3].mean() < 0.5
+    assert without[beyond, :, 3].max() == 0.0 and 0.002 < with_hairs[50:74, :, 3].mean() < 0.2
     assert with_hairs[beyond, :, 3].max() <= 1.0 and np.allclose(with_hairs[76:, :, 3], 1.0, atol=1e-5)
     assert np.array_equal(with_hairs[within], without[within])
     assert not np.array_equal(with_hairs[rim], without[rim])
