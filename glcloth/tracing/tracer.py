@@ -22,11 +22,15 @@ from ..gpu.scene_buffers import SceneBuffers
 from ..light.environment import rotation_y
 from ..progress import track
 from .energy import mean_albedo, reflection_limit
+<<<<<<< HEAD
 from .fabrics import Fabrics, straight_share
 from .holes import Holes
+=======
+>>>>>>> 98c43e2 (Threads on the traced curtain: near by its shading has the weights of the place, and the voile and the linen curtain have a weave; their mean is the far cloth)
 from .layers import draw_layers
 from .rays import BLOCK, KINDS, Picture, Rays, Tile
 from .shot import Shot, TraceStatistics
+from .threads import Threads
 
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
 # A GPU waits for the CPU once a tile, and has the memory: 16 tiles of 1920x1080 take twice as long as two.
@@ -52,7 +56,7 @@ class Tracer:
         self._fabrics = Fabrics(ctx)
         self._environment = EnvironmentMap(ctx)
         self._rays = Rays(ctx)
-        self._holes = Holes(ctx)
+        self._threads = Threads(ctx)
         self._software = is_software(ctx)
 
     # -- the scene -----------------------------------------------------------------------------------------------
@@ -224,11 +228,12 @@ class Tracer:
             "environment_from_world": rotation_y(-shot.env_rotate),
             "has_environment": shot.environment is not None,
             **sky,
-            **self._holes.inputs(shot),
+            **self._threads.inputs(shot),
         }
 
     def release(self) -> None:
         """Free the GPU's memory."""
+<<<<<<< HEAD
         for thing in (
             self.picture,
             self._parts,
@@ -239,6 +244,9 @@ class Tracer:
             self._rays,
             self._holes,
         ):
+=======
+        for thing in (self.picture, self._materials, self._fabric, self._environment, self._rays, self._threads):
+>>>>>>> 98c43e2 (Threads on the traced curtain: near by its shading has the weights of the place, and the voile and the linen curtain have a weave; their mean is the far cloth)
             thing.release()
         for structure in self._structures.values():
             structure.release()
