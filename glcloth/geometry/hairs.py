@@ -60,8 +60,8 @@ def hairs_in_view(
 ) -> Hairs:
     """The hairs that may stand out beyond the outline of a cloth.
 
-    rim : its `rim_edges`. metres : of a UV unit. density : hairs in a square metre. length, diameter : metres. far : metres of cloth in a pixel from
-    which on there are none.
+    rim : its `rim_edges`. metres : of a UV unit. density : hairs in a square metre. length, diameter : metres.
+    far : metres of cloth in a pixel from which on there are none.
     """
     view = _View(mesh, camera, size, length)
     inside = np.flatnonzero(view.inside & (view.pixel[mesh.triangles].min(1) < far))

@@ -23,7 +23,10 @@ DIAMETER = 20e-6  # metres, of a hair: between cotton (12 to 20 micrometres) and
 SEGMENTS = 5  # of a hair
 TABLE_SIDE = 20  # directions of hairs
 NODES = 48  # directions of a light
-CLEAR = 5.0, 9.0  # hair lengths before the cloth, from which on a hair shows, and shows whole: from straight above to 80
+CLEAR = (
+    5.0,
+    9.0,
+)  # hair lengths before the cloth, from which on a hair shows, and shows whole: from straight above to 80
 # degrees none does, on cloth that is flat
 SOFTEST = 0.25  # of hair_horizon, at least: hairs stand above the plane at their root
 
@@ -199,4 +202,3 @@ def evenness(fabric: Fabric, albedo: np.ndarray) -> float:
         light += yarn.area * (surface + volume * np.array(yarn.albedo))
     light /= max(sum(yarn.area for yarn in fabric.yarn), 1e-9)
     return float(luminance(np.asarray(albedo, float)[:3]) / max(0.5 * luminance(light), 1e-9))
-

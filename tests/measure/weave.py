@@ -30,7 +30,9 @@ BRIGHTEST = 0.35  # mean of a picture: a satin may mirror the lamp
 
 def woven(fabric, even=True, **changes):
     loose = fabric.weave.irregularity
-    return fabric.changed(weave=fabric.weave.changed(irregularity=loose.changed(**EVEN) if even else loose, **changes))
+    return fabric.changed(
+        weave=fabric.weave.changed(irregularity=loose.changed(**EVEN) if even else loose, fuzz=0.0, **changes)
+    )
 
 
 def sheet(width, height):
@@ -138,7 +140,7 @@ def edge_view(width, aspect):
     p = glcloth.load_mesh("drape").positions
     target = p[np.argmax(p[:, 1] - 0.3 * np.abs(p[:, 0]))]
     fov = float(np.degrees(2 * np.arctan(0.5 * width / aspect / 0.5)))
-    return Camera(tuple(target + [0.0, 0.01, 0.5]), tuple(target), (0.0, 1.0, 0.0), max(fov, 1.0))
+    return Camera(tuple(np.add(target, (0.0, 0.01, 0.5))), tuple(target), (0.0, 1.0, 0.0), max(fov, 1.0))
 
 
 def edges(renderer, names, path, rounds):

@@ -11,6 +11,7 @@ from glcloth.geometry.mesh import build_mesh
 from glcloth.light.lights import Lights, SphericalGaussians
 from glcloth.twins.hair import hair_cover
 
+END = np.array([0.1, 0.0, 0.0])
 EVEN = Lights(SphericalGaussians(np.array([[0.0, 0.0, 1.0]]), np.array([0.0]), np.ones((1, 3))))
 
 
@@ -23,7 +24,7 @@ def sheet():
 def half_cylinder(radius=0.02, count=120):
     turn = np.pi * (np.arange(count) / (count - 1) - 0.5)
     ring = radius * np.stack([np.zeros(count), np.cos(turn), np.sin(turn)], 1)
-    positions = np.concatenate([ring - [0.1, 0, 0], ring + [0.1, 0, 0]])
+    positions = np.concatenate([ring - END, ring + END])
     i, j = np.arange(count - 1), np.arange(1, count)
     triangles = np.concatenate([np.stack([i, j, i + count], 1), np.stack([j, j + count, i + count], 1)])
     uv = np.concatenate([np.stack([np.full(count, x), radius * turn], 1) for x in (0.0, 0.2)])
@@ -31,7 +32,9 @@ def half_cylinder(radius=0.02, count=120):
 
 
 def camera(width, aspect=4 / 3, target=(0.0, 0.0, 0.0)):
-    return Camera((target[0], target[1], 0.4), target, (0.0, 1.0, 0.0), float(2 * np.degrees(np.arctan(width / aspect / 0.8))))
+    return Camera(
+        (target[0], target[1], 0.4), target, (0.0, 1.0, 0.0), float(2 * np.degrees(np.arctan(width / aspect / 0.8)))
+    )
 
 
 LOOK = {"lights": EVEN, "size": (200, 150), "shadows": "off", "background": False}
@@ -58,7 +61,9 @@ def test_hairs_stay_where_they_are():
     assert len(rim) == 2 * 119 + 2
 
     def found(eye):
-        hairs = hairs_in_view(mesh, rim, 1.0, Camera(eye, (0, 0.02, 0), (0, 1, 0), 4.0), (200, 150), 9e6, 1e-3, 2e-5, 1e-3)
+        hairs = hairs_in_view(
+            mesh, rim, 1.0, Camera(eye, (0, 0.02, 0), (0, 1, 0), 4.0), (200, 150), 9e6, 1e-3, 2e-5, 1e-3
+        )
         rows = np.column_stack([hairs.triangle, hairs.weights, hairs.random[:, :6]])
         return {tuple(row) for row in np.round(rows, 9)}, hairs
 

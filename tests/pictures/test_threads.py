@@ -20,8 +20,9 @@ EVEN = {"shift": 0.0, "yarn": 0.0, "fibre": 0.0}
 
 
 def woven(name, **changes):
+    """A fabric without the hairs that stand out beyond a sheet of it."""
     fabric = load_fabric(name)
-    return fabric.changed(weave=fabric.weave.changed(**changes))
+    return fabric.changed(weave=fabric.weave.changed(**{"fuzz": 0.0, **changes}))
 
 
 def even(name):
@@ -70,7 +71,7 @@ def test_mean_of_whole_repeats_is_the_far_cloth(renderer, name, relief):
 
 
 def test_wandering_yarns_keep_the_mean(renderer):
-    fabric = load_fabric("denim_raw")
+    fabric = woven("denim_raw")
     mesh = patch(fabric, 0.3)
     view = camera(30, 70, 0.3)
     look = {**LOOK, "size": (640, 640)}

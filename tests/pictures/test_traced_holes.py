@@ -24,9 +24,11 @@ def quad(side, z):
 @pytest.mark.parametrize(
     ("name", "eye", "lamp"),
     [
-        ("lace", 0.05, (0.0, 0.0, 1e3)), ("lace", -0.05, (0.0, 0.0, 1e3)),
-        ("sheer_voile", 0.05, (300.0, 500.0, 800.0)), ("linen_curtain", 0.05, (300.0, 500.0, -800.0)),
-    ],  # fmt: skip
+        ("lace", 0.05, (0.0, 0.0, 1e3)),
+        ("lace", -0.05, (0.0, 0.0, 1e3)),
+        ("sheer_voile", 0.05, (300.0, 500.0, 800.0)),
+        ("linen_curtain", 0.05, (300.0, 500.0, -800.0)),
+    ],
     ids=["through the cloth", "its light on a wall", "threads before the light", "threads behind it"],
 )
 def test_holes_and_threads_are_the_far_cloth_in_the_mean(ctx, name, eye, lamp):
