@@ -21,7 +21,7 @@ from glcloth.color import luminance, srgb_encode
 from glcloth.geometry.camera import Camera
 
 sys.path.append(str(Path(__file__).parent))
-import weave  # noqa: E402
+import weave
 
 ANGLE = 4.0  # degrees of a turn
 
