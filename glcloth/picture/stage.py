@@ -217,6 +217,8 @@ class Stage:
             buffer = target.part(cloth).buffer
             if (hairs := cloth.hairs(buffer, frame)) is not None:
                 found.append((cloth, hairs, buffer))
-        nearest = target.nearest(self.surfaces) if found else None
+        if not found:
+            return
+        nearest = target.nearest(self.surfaces)
         for cloth, hairs, buffer in found:
             cloth.draw_hairs(hairs, buffer, nearest, frame)
