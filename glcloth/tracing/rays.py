@@ -256,7 +256,10 @@ class Rays:
                     **(picture.threads if cloth else {}),
                     **parted,
                 },
-                {"indirect.glsl": picture.shot.indirect_source, **(INCLUDE if cloth and "WEAVE" in picture.threads else {})},
+                {
+                    "indirect.glsl": picture.shot.indirect_source,
+                    **(INCLUDE if cloth and "WEAVE" in picture.threads else {}),
+                },
             )
             shade.run_indirect(
                 self._counts, picture.inputs, kinds, skip=4 * groups, layers=self._layers, order=self._order, heads=self._heads,

@@ -22,11 +22,7 @@ from ..gpu.scene_buffers import SceneBuffers
 from ..light.environment import rotation_y
 from ..progress import track
 from .energy import mean_albedo, reflection_limit
-<<<<<<< HEAD
 from .fabrics import Fabrics, straight_share
-from .holes import Holes
-=======
->>>>>>> 98c43e2 (Threads on the traced curtain: near by its shading has the weights of the place, and the voile and the linen curtain have a weave; their mean is the far cloth)
 from .layers import draw_layers
 from .rays import BLOCK, KINDS, Picture, Rays, Tile
 from .shot import Shot, TraceStatistics
@@ -233,7 +229,6 @@ class Tracer:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-<<<<<<< HEAD
         for thing in (
             self.picture,
             self._parts,
@@ -242,11 +237,8 @@ class Tracer:
             self._fabrics,
             self._environment,
             self._rays,
-            self._holes,
+            self._threads,
         ):
-=======
-        for thing in (self.picture, self._materials, self._fabric, self._environment, self._rays, self._threads):
->>>>>>> 98c43e2 (Threads on the traced curtain: near by its shading has the weights of the place, and the voile and the linen curtain have a weave; their mean is the far cloth)
             thing.release()
         for structure in self._structures.values():
             structure.release()
