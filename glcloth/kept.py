@@ -4,6 +4,7 @@ that is missing, damaged or cannot be written is as none."""
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -36,12 +37,32 @@ def read_kept(path: Path, shape: tuple[int, ...], largest: float) -> np.ndarray 
     return array if good and np.abs(array).max(initial=0.0) <= largest else None
 
 
+def read_kept_words(path: Path, shapes: Sequence[tuple[int, ...]]) -> list[np.ndarray] | None:
+    """As `read_kept`, several arrays of uint32, whose values may be any."""
+    try:
+        with np.load(path) as file:
+            arrays = [file[f"array_{i}"] for i in range(len(shapes))]
+    except Exception:  # whatever a damaged file makes NumPy and zipfile raise
+        return None
+    good = all(a.shape == shape and a.dtype == np.uint32 for a, shape in zip(arrays, shapes, strict=True))
+    return arrays if good else None
+
+
+def keep_words(path: Path, arrays: Sequence[np.ndarray], most: int | None = None) -> None:
+    """As `keep`, several arrays of uint32."""
+    _write(path, {f"array_{i}": array for i, array in enumerate(arrays)}, most)
+
+
 def keep(path: Path, array: np.ndarray, most: int | None = None) -> None:
     """Write an array, where one can be written; of more than `most` files beside it the oldest go."""
+    _write(path, {"array": array}, most)
+
+
+def _write(path: Path, arrays: dict[str, np.ndarray], most: int | None) -> None:
     with suppress(InputError, OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as temporary, open(temporary, "wb") as file:
-            np.savez(file, array=array)
+            np.savez(file, **arrays)  # type: ignore[arg-type]
         if most is not None:
             files = sorted(path.parent.glob("*.npz"), key=lambda other: other.stat().st_mtime)
             for old in files[: max(len(files) - most, 0)]:

@@ -364,6 +364,9 @@ class Scene(Value):
         "", "nodes per light: draft is fastest, high is closest to the reference", default="normal")
     adaptive: bool = direct(
         "", "shade one pixel in four where neighbours are alike; small pictures in the window always do", default=False)
+    shade: Literal["auto", "fragment", "compute"] = cloth(
+        "", "by which programs pixels are shaded, with the same picture: fragments, as in the papers, compute, or auto: what was "
+        "measured as faster on this device", default="auto")
     light: Literal["sg", "map"] = reference("", "the fitted lights, or the map itself (reference, path)", default="sg")
     shadows: ShadowMode = cloth(
         "", "what the cloth hides from itself: nothing, the suns, or all the light", default="full")

@@ -4,10 +4,12 @@ import curtain_scenes as scenes
 import numpy as np
 
 from glcloth.accel.triangles import Triangles
+from glcloth.curtain.show import CurtainShow
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.gpu.buffers import Buffer
 from glcloth.gpu.programs import Compute
+from glcloth.scene import CurtainParameters, Scene
 from glcloth.tracing.lamp import Lamp, Lighting
 from glcloth.tracing.shot import Shot, TraceSettings
 from glcloth.tracing.tracer import Tracer
@@ -21,6 +23,37 @@ PLACED = {
     "passes/tracing/shade.comp": "places in the next generation's queue",
     "passes/accel/lbvh_boxes.comp": "who arrives first at a node",
 }
+
+
+class Lit:
+    """Photons in a room with a curtain, through its tree: a context manager; members as of `Work`."""
+
+    OWN = "_slots", "_found", "_begins", "_photons", "_gathered", "_radii", "_node_light"  # that a sample writes anew
+
+    def __init__(self, ctx):
+        curtain = CurtainParameters(quads=(24, 6), pleats=3, settle=0.05)
+        self.show = CurtainShow(ctx, Scene(size=(16, 16), gi="photons", photons=3000, curtain=curtain, depth=2))
+
+    def run(self):
+        self.picture = self.show.picture()
+
+    def result(self):
+        tree = self.show.photons.tree
+        return {"picture": self.picture, "points": tree.positions(), **tree.arrays()}
+
+    def poison(self, byte):
+        """Fill every buffer that a sample writes anew."""
+        light = self.show.photons
+        trees = light.tree, light._gathered_tree
+        things = [getattr(light, name) for name in self.OWN] + [b for tree in trees for b in tree._buffers.values()]
+        for buffer in {id(b): b for b in things}.values():
+            buffer.write(bytes([byte]) * buffer.size)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.show.release()
 
 
 class Work:
@@ -63,6 +96,12 @@ class Work:
         self.triangles.release()
 
 
+def works(ctx, triangles, size):
+    """{name: a context manager with `run`, `result` and `poison`} of what is run twice."""
+    trees = {name: lambda name=name: Work(ctx, name, triangles, size) for name in ("kdtree", "kdtree_median", "lbvh")}
+    return {**trees, "photons": lambda: Lit(ctx)}
+
+
 def twice(work, restore=True):
     """Do some work, each dispatch of it twice from the same memory: {path: (dispatches, how many wrote something else)}.
 
@@ -75,8 +114,8 @@ def twice(work, restore=True):
             names = {}
             for mapping in (*inputs_at(given), own):
                 names |= mapping
-            blocks = [(n, names[n]) for n, slot in self.slots.items() if slot.kind == "block" and slot.writes]
-            blocks = [buffer for name, buffer in blocks if buffer is not None]
+            written = [n for n, slot in self.slots.items() if slot.kind in ("block", "image") and slot.writes]
+            blocks = [names[n] for n in written if names.get(n) is not None]
             before = [b.read() for b in blocks]
             original(self, *given, **own)
             first = [b.read() for b in blocks]

@@ -28,10 +28,16 @@ class Brute:
         """Remember the triangles."""
         self.triangles = triangles
 
-    def build_steps(self, triangles: Triangles) -> Iterator[None]:
+    def build_steps(self, triangles: Triangles, later: bool = False) -> Iterator[None]:
         """As `build`, in one step."""
         self.build(triangles)
         yield
+
+    unread = None
+
+    def fits(self, data: bytes) -> bool:
+        """It always does."""
+        return True
 
     @property
     def _built(self) -> Triangles:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..gpu.buffers import Buffer
 from .structure import Structure
 from .triangles import Triangles
 
@@ -20,11 +21,17 @@ class OverGround:
     def __init__(self, structure: Structure, height: float):
         self.structure, self.height = structure, float(height)
         self.build, self.build_steps = structure.build, structure.build_steps
+        self.fits = structure.fits
         self.chunks, self.arrays, self.release = structure.chunks, structure.arrays, structure.release
 
     def inputs(self) -> dict[str, Any]:
         """The inputs of inputs/accel/lbvh_ground.glsl, by name."""
         return self.structure.inputs() | {"ground_height": self.height}
+
+    @property
+    def unread(self) -> Buffer | None:
+        """Of the structure."""
+        return self.structure.unread
 
     @property
     def triangles(self) -> Triangles | None:

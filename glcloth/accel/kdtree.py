@@ -73,10 +73,12 @@ class KdTree:
         for names, (_, _, texel) in self.buffers.items():
             buffer = TextureBuffer(ctx, 16, texel)
             self._buffers |= dict.fromkeys(names.split(), buffer)
+        self._buffers |= dict.fromkeys(("tree_box", "TreeBox"), TextureBuffer(ctx, 32, "rgba32ui"))
         self._inputs: dict[str, Any] = {}  # of the passes that build
         self._capacity = {"node": 0, "ref": 0, "leaf": 0, "lane": 0}
         self._levels = ALL_LEVELS  # that the next build dispatches
         self._pair_count = 0
+        self._open: tuple[int, int] | None = None  # levels of a build whose counters nobody has read
         self.triangles: Triangles | None = None
         self.timings: dict[str, float] = {}
         self.growths = 0
@@ -92,32 +94,62 @@ class KdTree:
         """
         drain(self.build_steps(triangles))
 
-    def build_steps(self, triangles: Triangles) -> Iterator[None]:
-        """As `build`, stage by stage, for a caller with other things to do in between."""
+    def build_steps(self, triangles: Triangles, later: bool = False) -> Iterator[None]:
+        """As `build`, stage by stage, for a caller with other things to do in between.
+
+        later : where a tree of so many triangles was built before, the CPU does not wait to see whether this one had room:
+            `unread` is to be read with what else is read of the frame, and given to `fits`
+        """
         self.triangles = triangles
         count, pairs = triangles.pairs()
-        yield from self._steps(count, triangles.inputs() | {"pairs": pairs}, triangles.padding)
+        yield from self._steps(count, triangles.inputs() | {"pairs": pairs}, triangles.padding, later)
 
-    def _steps(self, count: int, inputs: Mapping[str, Any], padding: float) -> Iterator[None]:
+    @property
+    def unread(self) -> Buffer | None:
+        """The counters of a build that nobody has seen to have had room; None: there is none."""
+        return None if self._open is None else self._counters
+
+    def fits(self, data: bytes) -> bool:
+        """Whether the tree whose `unread` counters these are had room. Else there is more now, and it is to be built anew.
+
+        Raises InputError as `build`.
+        """
+        assert self._open is not None, "there are no unread counters"
+        counters, levels, self._open = np.frombuffer(data, np.uint32), self._open, None
+        leaf_refs = int(counters[CONSTANTS["NEED_LEAF_REFS"]])
+        try:
+            self._check(counters, levels)
+        except _TooSmallError:
+            self.growths += 1
+            return False
+        if leaf_refs:
+            self._reserve("leaf", leaf_refs, spare=leaf_refs // 4)
+            self.growths += 1
+            return False
+        self._note(counters)
+        return True
+
+    def _steps(self, count: int, inputs: Mapping[str, Any], padding: float, later: bool = False) -> Iterator[None]:
         """Build the tree of so many references, which `begin_pass` makes of its inputs."""
+        self._open = None
         if count == 0:
             self._empty()
             return
         self._inputs = self._buffers | dict(inputs) | {"Counters": self._counters}
         self._inputs |= {"most_groups": programs(self.ctx).most_groups, "longest_leaf": LONGEST_LEAF}
         if count != self._pair_count:  # another scene
-            self._pair_count, self._levels = count, ALL_LEVELS
+            self._pair_count, self._levels, later = count, ALL_LEVELS, False
         for unit, times in self.at_first.items():
             self._reserve(unit, max(int(times * count + 256), count if unit == "ref" else 0))
         while True:
             try:
-                yield from self._attempt(count, padding)
+                yield from self._attempt(count, padding, later)
                 return
             except _TooSmallError:
                 self.growths += 1
 
-    def _attempt(self, pair_count: int, padding: float) -> Iterator[None]:
-        """One build, with as many levels as the last one had and one more; the CPU waits once, at the end.
+    def _attempt(self, pair_count: int, padding: float, later: bool) -> Iterator[None]:
+        """One build, with as many levels as the last one had and one more; the CPU waits once, at the end, or `later`.
 
         Raises _TooSmallError when there was not enough room, or levels; there is more then.
         """
@@ -154,7 +186,7 @@ class KdTree:
         clock.lap("small")
         yield
         clock.resume()
-        self._write_tree(level_counts, clock)
+        self._write_tree(level_counts, clock, later)
         self.timings = clock.ms
 
     def _begin_counters(self, lanes: int) -> int:
@@ -198,8 +230,8 @@ class KdTree:
         names = self._inputs
         names["active_nodes"], names["Active"] = names["Active"], names["active_nodes"]
 
-    def _write_tree(self, levels: tuple[int, int], clock: Stopwatch) -> None:
-        """Write the nodes in preorder, and the triangles of the leaves; then see how it went.
+    def _write_tree(self, levels: tuple[int, int], clock: Stopwatch, later: bool) -> None:
+        """Write the nodes in preorder, and the triangles of the leaves; then, or `later`, see how it went.
 
         Raises _TooSmallError, and InputError for too many triangles that no plane parts.
         """
@@ -209,6 +241,10 @@ class KdTree:
         )  # fmt: skip
         clock.lap("order")
         self._emit()
+        if later:
+            self._open = levels
+            clock.lap("emit")
+            return
         counters = np.frombuffer(self._counters.read(), np.uint32)
         self._check(counters, levels)
         leaf_refs = int(counters[CONSTANTS["NEED_LEAF_REFS"]])
@@ -257,6 +293,7 @@ class KdTree:
     def _empty(self) -> None:
         """The tree of no triangles: one leaf without any."""
         self._buffers["tree_nodes"].write(np.array([0, 3], np.uint32))
+        self._buffers["tree_box"].write(np.zeros(8, np.float32))
         self.node_count, self.leaf_ref_count, self.root_count = 1, 0, 0
         self.low, self.high = np.zeros(3, np.float32), np.zeros(3, np.float32)
         self.timings = {}
@@ -285,8 +322,7 @@ class KdTree:
 
     def inputs(self) -> dict[str, Any]:
         """The inputs of inputs/accel/kdtree.glsl, by name."""
-        tree = {name: self._buffers[name] for name in ("tree_nodes", "leaf_corners")}
-        return tree | {"scene_low": self.low, "scene_high": self.high}
+        return {name: self._buffers[name] for name in ("tree_nodes", "leaf_corners", "tree_box")}
 
     def chunks(self) -> Iterator[dict[str, int]]:
         """The uniforms of each dispatch that one query takes."""
@@ -299,6 +335,9 @@ class KdTree:
         `triangles`), pairs [N] int (what a leaf holds as the builder counts), low, high [N, 3] float32 (the node's box),
         depth [N] int, triangles [R] int.
         """
+        if self._open is not None and not self.fits(self._counters.read()):
+            assert self.triangles is not None
+            self.build(self.triangles)
         nodes = np.frombuffer(self._buffers["tree_nodes"].read(8 * self.node_count), np.uint32).reshape(-1, 2)
         refs = self._buffers["leaf_pairs"].read(4 * self.leaf_ref_count)
         pairs = np.frombuffer(refs, np.uint32).astype(int)

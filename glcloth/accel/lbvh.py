@@ -53,7 +53,13 @@ class Lbvh:
         """Build the hierarchy of the triangles as they are now."""
         drain(self.build_steps(triangles))
 
-    def build_steps(self, triangles: Triangles) -> Iterator[None]:
+    unread = None
+
+    def fits(self, data: bytes) -> bool:
+        """It always does: its size is known before."""
+        return True
+
+    def build_steps(self, triangles: Triangles, later: bool = False) -> Iterator[None]:
         """As `build`, in steps, for a caller with other things to do in between."""
         self.triangles = triangles
         pieces = triangles.pieces

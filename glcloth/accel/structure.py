@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 
 from ..errors import InputError
+from ..gpu.buffers import Buffer
 from .brute import Brute
 from .kdtree import KdTree, MedianKdTree
 from .lbvh import Lbvh
@@ -43,8 +44,15 @@ class Structure(Protocol):
     def build(self, triangles: Triangles) -> None:
         """Build it of the triangles as they are now."""
 
-    def build_steps(self, triangles: Triangles) -> Iterator[None]:
-        """As `build`, in steps, for a caller with other things to do in between."""
+    def build_steps(self, triangles: Triangles, later: bool = False) -> Iterator[None]:
+        """As `build`, in steps, for a caller with other things to do in between. later : see `unread`."""
+
+    @property
+    def unread(self) -> Buffer | None:
+        """What says whether a build that was to be looked at later had room; None: it is known."""
+
+    def fits(self, data: bytes) -> bool:
+        """Whether it had, by the content of `unread`; else there is more now, and it is to be built anew."""
 
     def inputs(self) -> dict[str, Any]:
         """The inputs of `source`, by their names there."""

@@ -20,6 +20,7 @@ from ..gpu.context import create_context, is_software, list_devices
 from ..methods.registry import METHODS
 from ..picture.frame import Frame
 from ..picture.renderer import Renderer
+from ..picture.ways import known_ways
 from ..progress import track
 from ..scene import Scene
 
@@ -46,6 +47,7 @@ def machine(device: int | str | None = None) -> dict:
         "software": is_software(ctx),
         "limits": {name: ctx.info[name] for name in LIMITS if name in ctx.info},
         "devices": devices,
+        "shade": dict(known_ways(ctx)),
         "cache": f"{cache}: {len(files)} files, {sum(f.stat().st_size for f in files) / 1e6:.1f} MB",
     }
     ctx.release()
@@ -114,6 +116,7 @@ def _variants(scene: Scene, methods: list[str]) -> list[tuple[str, dict]]:
 def _measured(renderer: Renderer, prepared: dict[str, Frame], frames: int) -> dict[str, dict]:
     """Medians of the times of frames; the variants take turns, so that a machine whose speed drifts is alike to all."""
     times: dict[str, list] = {label: [] for label in prepared}
+    ways_taken: dict[str, str] = {}
     for label in track([label for _ in range(frames) for label in prepared], "bench: frames"):
         frame = prepared[label]
         if frame.scene.method != "reference":
@@ -124,7 +127,7 @@ def _measured(renderer: Renderer, prepared: dict[str, Frame], frames: int) -> di
         renderer.ctx.finish()
         cpu = 1000 * (time.process_time() - begin_cpu)
         times[label].append((1000 * (time.perf_counter() - begin), cpu))
-        covered = renderer.covered_pixels()
+        covered, ways_taken[label] = renderer.covered_pixels(), renderer.stage.cloths[0].way
     results: dict[str, dict] = {}
     for label, rows in times.items():
         ms, cpu_ms = (statistics.median(column) for column in zip(*rows, strict=True))
@@ -137,6 +140,7 @@ def _measured(renderer: Renderer, prepared: dict[str, Frame], frames: int) -> di
             "covered_pixels": covered,
             "ns_per_pixel": round(1e6 * ms / max(covered, 1), 1),
             "evaluations_per_pixel": method.evaluations_per_pixel(),
+            "shade": ways_taken[label],
         }
     return results
 

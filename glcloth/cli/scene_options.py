@@ -34,6 +34,7 @@ class SceneOptions:
     method: Annotated[str | None, Parameter(help="How light on the cloth is summed; path: by samples of all its ways, for finished pictures and as the judge; the curtain is traced (trace, path) (direct, paper, reference, path or trace).")] = None
     quality: Annotated[str | None, Parameter(help="Nodes per light: draft is fastest, high is closest to the reference (draft, normal or high; method direct).")] = None
     adaptive: Annotated[bool | None, Parameter(help="Shade one pixel in four where neighbours are alike; small pictures in the window always do (method direct).")] = None
+    shade: Annotated[str | None, Parameter(help="By which programs pixels are shaded, with the same picture: fragments, as in the papers, compute, or auto: what was measured as faster on this device (auto, fragment or compute).")] = None
     light: Annotated[str | None, Parameter(help="The fitted lights, or the map itself (reference, path) (sg or map; method reference).")] = None
     shadows: Annotated[str | None, Parameter(help="What the cloth hides from itself: nothing, the suns, or all the light (off, sun or full).")] = None
     bounce: Annotated[bool | None, Parameter(help="Light from fold to fold; reference: once (with shadows full).")] = None

@@ -218,7 +218,9 @@ class CurtainShow:
             steps = self.radiosity.prepare()
             yield from track(steps, "light around the room: form factors", SLICES)
         if accelerator not in self._built:
-            yield from self.tracer.build_steps(accelerator)
+            # Light that is found through the tree needs one that is known to be whole.
+            later = self.scene.gi == "off" and self.scene.method != "path"
+            yield from self.tracer.build_steps(accelerator, later)
             self._built.add(accelerator)
 
     def shot(self, other: Scene | None = None) -> Shot:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import moderngl
@@ -95,13 +96,64 @@ class Staging:
 
     def read(self, buffer: moderngl.Buffer, size: int, offset: int) -> bytes:
         """Return `size` bytes of a buffer from byte `offset` on."""
+        self._make_room(size)
+        assert self._copy is not None
+        self.ctx.copy_buffer(self._copy, buffer, size, read_offset=offset)
+        self._tally.read(size)
+        return self._copy.read(size)
+
+    def read_all(self, parts: Sequence[tuple[Buffer, int]]) -> list[bytes]:
+        """Return the first bytes of several buffers, so many of each, which the CPU waits for once."""
+        total = sum(size for _, size in parts)
+        self._make_room(total)
+        assert self._copy is not None
+        _gather(self.ctx, self._copy, parts)
+        self._tally.read(total)
+        return _cut(self._copy.read(total), parts)
+
+    def _make_room(self, size: int) -> None:
         if self._copy is None or self._copy.size < size:
             if self._copy is not None:
                 self._copy.release()
             self._copy = self.ctx.buffer(reserve=max(size, 1 << 16), dynamic=True)
-        self.ctx.copy_buffer(self._copy, buffer, size, read_offset=offset)
-        self._tally.read(size)
-        return self._copy.read(size)
+
+
+class LateRead:
+    """The first bytes of several buffers as they are now, read when the GPU has come so far: the CPU does not wait for it."""
+
+    def __init__(self, ctx: moderngl.Context, parts: Sequence[tuple[Buffer, int]]):
+        self._parts = parts
+        self._copy = ctx.buffer(reserve=sum(size for _, size in parts), dynamic=True)
+        _gather(ctx, self._copy, parts)
+        self._fence = GL.glFenceSync(GL.GL_SYNC_GPU_COMMANDS_COMPLETE, 0)
+
+    def data(self) -> list[bytes] | None:
+        """The bytes; None where the GPU has not come so far yet."""
+        if GL.glClientWaitSync(self._fence, GL.GL_SYNC_FLUSH_COMMANDS_BIT, 0) == GL.GL_TIMEOUT_EXPIRED:
+            return None
+        return _cut(self._copy.read(), self._parts)
+
+    def release(self) -> None:
+        """Free the memory."""
+        GL.glDeleteSync(self._fence)
+        self._copy.release()
+
+
+def read_together(ctx: moderngl.Context, parts: Sequence[tuple[Buffer, int]]) -> list[bytes]:
+    """The first bytes of several buffers, so many of each, by one read that the CPU waits for."""
+    return of_context(Staging, ctx).read_all(parts)
+
+
+def _gather(ctx: moderngl.Context, into: moderngl.Buffer, parts: Sequence[tuple[Buffer, int]]) -> None:
+    at = 0
+    for buffer, size in parts:
+        ctx.copy_buffer(into, buffer.buffer, size, write_offset=at)
+        at += size
+
+
+def _cut(data: bytes, parts: Sequence[tuple[Buffer, int]]) -> list[bytes]:
+    ends = np.cumsum([size for _, size in parts]).tolist()
+    return [data[end - size : end] for end, (_, size) in zip(ends, parts, strict=True)]
 
 
 def read_texture(texture: moderngl.Texture) -> bytes:

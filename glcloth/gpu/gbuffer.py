@@ -13,9 +13,10 @@ from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from .buffers import TextureBuffer, read_texture
 from .context_local import of_context
+from .covered import Covered
 from .memo import Last
-from .programs import Draw, Inputs, programs
-from .screen import Blend, draw_screen
+from .programs import Compute, Draw, Inputs, programs
+from .screen import draw_screen
 from .tally import Tally
 
 VERTEX_TEXELS = 3  # position, normal, tangent
@@ -138,6 +139,8 @@ class GBuffer:
         self.target = ctx.framebuffer([self.color, *parts], self.depth)
         self.ray_from_pixel = np.eye(3)
         self._drawn: Drawn | None = None
+        self.drawings = 0  # how often other pixels were covered
+        self._covered: dict[bool | None, Covered] = {}  # of the whole picture, and of its parts
         self._owns_color = color is None
         self._some: dict[bool, tuple[moderngl.Texture, moderngl.Framebuffer, Last[None]]] = {}
 
@@ -179,6 +182,7 @@ class GBuffer:
         if self._drawn == wanted:
             return
         self._drawn = None
+        self.drawings += 1
         mesh, height = wanted.mesh, self.size[1]
         clip = wanted.camera.clip_from_world(self.size, *wanted.depths, wanted.offset)
         self.ray_from_pixel = wanted.camera.ray_from_pixel(self.size, wanted.offset)
@@ -240,6 +244,7 @@ class GBuffer:
 
     def cut(self, later: GBuffer) -> None:
         """Uncover the pixels that another G-buffer, drawn after this one, covers."""
+        self.drawings += 1
         program = programs(self.ctx).screen("passes/picture/cut.frag")
         draw_screen(program, self.frames, depth="written", later_N=later.frame("frame_N"))
 
@@ -275,18 +280,26 @@ class GBuffer:
 
     def shade(
         self,
-        program: Draw,
+        program: Draw | Compute,
         *inputs: Inputs,
         add: bool = False,
         rows: tuple[int, int] | None = None,
-        part: moderngl.Framebuffer | None = None,
+        part: bool | None = None,
+        onto: moderngl.Framebuffer | None = None,
     ) -> None:
-        """Run a program for every covered pixel; `add` its colour instead of setting it.
+        """Run a program of `covered.shading` for every covered pixel; `add` its colour instead of setting it.
 
-        `rows` = (first, count), counted from below, limits it to a band of the picture; `part`: only pixels that it covers.
+        `rows` = (first, count), counted from below, limits it to a band of the picture; `part`: only the pixels of this one,
+        which was asked for by `part`; `onto`: another picture with the same depth.
         """
-        blend: Blend = "add" if add else "replace"
-        draw_screen(program, part or self.target, self.inputs(), *inputs, blend=blend, depth="covered", rows=rows)
+        target = onto or self.target
+        key: tuple[int, Any] = (self.drawings, None)
+        if part is not None:
+            _, target, chosen = self._some[part]
+            key = self.drawings, chosen.key
+        if part not in self._covered:
+            self._covered[part] = Covered(self.ctx)
+        self._covered[part].shade(program, target, self.inputs(), *inputs, key=key, add=add, rows=rows)
 
     def part(self, which: bool, choose: Callable[[moderngl.Framebuffer], None], *key: Any) -> moderngl.Framebuffer:
         """The picture with a depth of its own, one of two, that covers some of the pixels: `choose` writes it where the
@@ -321,6 +334,8 @@ class GBuffer:
         own = [self.color] if self._owns_color else []
         for framebuffer in (self.frames, self.target, *(target for _, target, _ in self._some.values())):
             framebuffer.release()
+        for covered in self._covered.values():
+            covered.release()
         parts = [depth for depth, *_ in self._some.values()]
         for texture in (*self._textures.values(), self.depth, *own, *parts):
             texture.release()

@@ -47,10 +47,12 @@ class Environment:
     name : built-in name or file name
     radiance : float32 [H, W, 3], linear Rec. 709, finite, >= 0; +y is up, orientation as in Mitsuba's `envmap`
         (see equirect.py)
+    built_in : whether it is the built-in one of this name
     """
 
     name: str
     radiance: np.ndarray
+    built_in: bool = False
 
     def __post_init__(self):
         radiance = np.ascontiguousarray(self.radiance, np.float32)
@@ -118,7 +120,7 @@ def load_environment(name_or_path: str | Path, layer: str = "", layout: str = "a
 
 @lru_cache(maxsize=2)
 def _built_in(name: str) -> Environment:
-    return Environment(name, BUILT_IN[name]())
+    return Environment(name, BUILT_IN[name](), built_in=True)
 
 
 def from_array(name: str, radiance: np.ndarray, source: str | None = None) -> Environment:

@@ -26,7 +26,7 @@ from ..files import atomic_write, cache_dir
 from ..progress import track, warn
 from . import equirect, harmonics
 from .bands import FABRICS, band_weights
-from .environment import Environment
+from .environment import BUILT_IN_NAMES, Environment, load_environment
 from .lights import Lights, SphericalGaussians, Suns, as_lights
 from .lights_file import load_lights, save_lights
 from .lobes import fit_lobes
@@ -45,6 +45,9 @@ __all__ = [
 # Part of the cache key: another number when the same map would be fitted differently.
 VERSION = 4
 MAX_LOBES = 64
+# Fits of built-in environments by the default number of lobes; `python -m glcloth.light.fit` writes them.
+SHIPPED = Path(__file__).parent / "fits"
+SHIPPED_LOBES = 10
 # The 95th percentile of an error over its root mean square, were it normal. Over the built-in maps 1.5 to 2.3 are measured.
 NORMAL_95 = 1.96
 AUTO_LOBES = (5, 10, 16, 24, 40, 64)
@@ -264,6 +267,8 @@ def _fit(environment, lobes, target, weights, cache: bool) -> tuple[Lights, bool
     if not (np.isscalar(target) and np.isfinite(target) and target > 0):
         raise InputError(f"fit: target {target!r}, expected a relative error above 0, such as 0.03")
     b = _weights(weights)
+    if cache and (lights := _shipped(environment, lobes, b)) is not None:
+        return lights, True
     path = _cache_path(environment, lobes, target, b) if cache else None
     if path is not None and (lights := _load_cached(path, lobes)) is not None:
         return lights, True
@@ -307,6 +312,21 @@ def _compute_alone(environment: Environment, lobes: int | str, target: float, b:
 # The cache --------------------------------------------------------------------------------------------------------
 
 
+def shipped_path(name: str, lobes: int) -> Path:
+    """The file of this package with the fit of a built-in environment."""
+    return SHIPPED / f"{name}_{lobes}_{VERSION}.npz"
+
+
+def _shipped(environment: Environment, lobes: int | str, b: np.ndarray) -> Lights | None:
+    """The fit that comes with the package; None where there is none.
+
+    It is the same on every machine, where another library's rounding would end elsewhere in the last digits.
+    """
+    if lobes == "auto" or not environment.built_in or not np.array_equal(b, band_weights("generic")):
+        return None
+    return _load_cached(shipped_path(environment.name, int(lobes)), lobes)
+
+
 def _cache_path(environment: Environment, lobes: int | str, target: float, b: np.ndarray) -> Path:
     key = hashlib.sha256()
     key.update(repr((VERSION, environment.radiance.shape, lobes, target if lobes == "auto" else None)).encode())
@@ -343,3 +363,13 @@ def _save_cached(path: Path, lights: Lights) -> None:
                 irradiance=s.irradiance,
                 radius=s.radius,
             )
+
+
+def ship() -> None:
+    """Fit the built-in environments anew and write the files of this package."""
+    for name in BUILT_IN_NAMES:
+        _save_cached(shipped_path(name, SHIPPED_LOBES), fit_lights(load_environment(name), SHIPPED_LOBES, cache=False))
+
+
+if __name__ == "__main__":
+    ship()

@@ -13,7 +13,7 @@ from ..accel.structure import Structure
 from ..fabric import Fabric
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import Buffer
-from ..gpu.programs import Draw, programs
+from ..gpu.programs import programs
 from ..gpu.scene_buffers import SceneBuffers
 from ..light.lights import Lights
 from ..visibility.finer import SunOccluders
@@ -137,9 +137,8 @@ class Method:
         """What `#include` means in `behind`, by name."""
         return {}
 
-    def solids_program(self, path: str, defines: dict[str, Any]) -> Draw:
-        """Where it `lights_solids`: the program of passes/picture/lambert.frag or object.frag, for `inputs` and `passes`, with
-        more constants."""
+    def solids_includes(self) -> dict[str, str]:
+        """Where it `lights_solids`: what `#include` means, beside `defines`, where what stands about the cloth is shaded."""
         raise NotImplementedError
 
     def open_irradiance(self) -> np.ndarray:

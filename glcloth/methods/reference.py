@@ -14,7 +14,7 @@ from ..accel.structure import tracing
 from ..fabric import Fabric
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import Last, same
-from ..gpu.programs import Draw, programs
+from ..gpu.programs import programs
 from ..light.environment import cube_map, cube_map_of_gaussians
 from ..light.lights import Lights, Suns
 from ..twins.sun_disc import disc_directions
@@ -246,10 +246,8 @@ class Reference(Method):
         sheer = self._geometry.sheets is not None
         return "inputs/visibility/along_sheer.glsl" if sheer else "inputs/visibility/along_ray.glsl"
 
-    def solids_program(self, path: str, defines: dict[str, Any]) -> Draw:
-        """The program that lights what stands about the cloth by the same sum."""
-        virtual = {"lit.glsl": "inputs/visibility/lit_sum.glsl", "along.glsl": self._along, **self.includes()}
-        return programs(self.ctx).screen(path, {**self.defines(), **defines}, virtual)
+    def solids_includes(self) -> dict[str, str]:
+        return {"lit.glsl": "inputs/visibility/lit_sum.glsl", "along.glsl": self._along, **self.includes()}
 
     def passes(self) -> Iterator[dict[str, Any]]:
         """So many directions at a time; those of suns by themselves, for others things hide them."""

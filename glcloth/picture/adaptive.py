@@ -10,6 +10,7 @@ import moderngl
 import numpy as np
 
 from ..gpu.buffers import Buffer
+from ..gpu.covered import Covered
 from ..gpu.gbuffer import GBuffer, depth_texture
 from ..gpu.programs import Compute, Draw, Inputs, programs
 from ..gpu.screen import draw_screen
@@ -27,7 +28,7 @@ class Shown:
     Parameters
     ----------
     near, far : the picture, where only these pixels are covered, and only the others
-    terms_program : passes/picture/shade_terms.frag with the method, for one pixel in four
+    terms_program : shade_terms of passes/picture with the method, for one pixel in four
     layers : texels that this keeps of each
     list_program : as for the other pixels
     defines, virtual : of the program that combines terms with the maps of threads
@@ -36,7 +37,7 @@ class Shown:
 
     near: moderngl.Framebuffer
     far: moderngl.Framebuffer
-    terms_program: Draw
+    terms_program: Draw | Compute
     layers: int
     list_program: Compute
     defines: dict[str, Any]
@@ -56,12 +57,13 @@ class AdaptiveRate:
         self.ctx, self.tolerance = ctx, tolerance
         self._size: tuple[int, int] | None = None
         self._list, self._near_list = Buffer(ctx, 16), Buffer(ctx, 16)
+        self._covered = Covered(ctx)
         self._terms: moderngl.TextureArray | None = None
 
     def steps(
         self,
         buffer: GBuffer,
-        program: Draw,
+        program: Draw | Compute,
         list_program: Compute,
         narrowest_lobe: float,
         inputs: Callable[[], Inputs],
@@ -72,7 +74,7 @@ class AdaptiveRate:
 
         Parameters
         ----------
-        program, list_program : shade.frag and shade_list.comp of passes/picture with one method
+        program, list_program : what shades a pixel, and shade_list.comp of passes/picture, with one method
         narrowest_lobe : gamma, radians
         inputs : of both
         shown : the pixels that show threads
@@ -81,10 +83,8 @@ class AdaptiveRate:
         self._cover(buffer, None if shown is None else shown.far)
         # A coarse row has half the pixels of a row.
         for band in pace.bands(self._coarse.height, 2):
-            draw_screen(
-                program, self._coarse, inputs(), buffer.inputs(), depth="covered", rows=band,
-                pixel_stride=2, pass_weight=1.0, pass_cover=1.0,
-            )  # fmt: skip
+            own = {"pixel_stride": 2, "pass_weight": 1.0, "pass_cover": 1.0}
+            self._covered.shade(program, self._coarse, inputs(), buffer.inputs(), own, key=None, rows=band)
             yield from pace.pause(self.ctx)
         if shown is not None:
             yield from self._near_terms(buffer, shown, inputs, pace)
@@ -131,10 +131,8 @@ class AdaptiveRate:
             self._terms.repeat_x = self._terms.repeat_y = False
         self._cover(buffer, shown.near, clears=False)
         for band in pace.bands(self._coarse.height, 2):
-            draw_screen(
-                shown.terms_program, self._coarse, inputs(), shown.inputs(), buffer.inputs(), depth="covered", rows=band,
-                terms=self._terms,
-            )  # fmt: skip
+            given = inputs(), shown.inputs(), buffer.inputs(), {"terms": self._terms}
+            self._covered.shade(shown.terms_program, self._coarse, *given, key=None, rows=band)
             yield from pace.pause(self.ctx)
         self.ctx.memory_barrier()
 

@@ -11,6 +11,7 @@ import numpy as np
 from ..fabric import Fabric, Transmission
 from ..geometry.hairs import Hairs
 from ..geometry.mesh import Mesh
+from ..gpu.covered import Way, shading
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Compute, Draw, programs
@@ -167,16 +168,16 @@ class ClothSurface(Surface):
         seen = SEEN_ALL if self.visibility.mode == "off" else self.visibility.source
         return {"method.glsl": self.method.source, "seen.glsl": seen, **self.method.includes()}
 
-    def program(self, buffer: GBuffer) -> Draw:
-        """The program that shades the pixels of a G-buffer."""
+    def program(self, buffer: GBuffer, way: Way | None = None) -> Draw | Compute:
+        """The program that shades the pixels of a G-buffer; `way`: this one and not the frame's."""
         defines = {**self.method.defines(), **buffer.defines()}
-        return programs(self.ctx).screen("passes/picture/shade.frag", defines, self._virtual())
+        return shading(self.ctx, "shade", defines, self._virtual(), way or self.way)
 
-    def woven_program(self, buffer: GBuffer) -> Draw:
+    def woven_program(self, buffer: GBuffer) -> Draw | Compute:
         """As `program`, for pixels that show threads."""
         virtual = {**self._virtual(), "inputs/methods/threads.glsl": self.threads.source}
         defines = {**self.threads.defines(self.method), **buffer.defines()}
-        return programs(self.ctx).screen("passes/picture/shade.frag", defines, virtual)
+        return shading(self.ctx, "shade", defines, virtual, self.way)
 
     @property
     def list_program(self) -> Compute:
@@ -190,14 +191,17 @@ class ClothSurface(Surface):
             seen = seen | view.drawn_inputs()
         return {**self.scene_buffers.inputs(), **seen, **self.method.inputs()}
 
+    def shade_inputs(self, view: PixelView, number: int, weight: float) -> tuple[Mapping[str, Any], ...]:
+        """What `program` reads beside the G-buffer; parameters as for `shade`."""
+        share = {"pass_weight": weight * self.visibility.limit, "pass_cover": 0.0 if number else weight}
+        return self.inputs(view), {**share, "pixel_stride": 1}, self.passes[number]
+
     def shade(
         self, buffer: GBuffer, view: PixelView, number: int, weight: float, add: bool, rows: tuple[int, int] | None
     ) -> None:
         if number >= self.pass_count:
             return
-        limit = self.visibility.limit
-        share = {"pass_weight": weight * limit, "pass_cover": 0.0 if number else weight, "pixel_stride": 1}
-        inputs = self.inputs(view), share, self.passes[number]
+        inputs = self.shade_inputs(view, number, weight)
         if not self.threads.shown:
             buffer.shade(self.program(buffer), *inputs, add=add, rows=rows)
         else:
@@ -206,10 +210,11 @@ class ClothSurface(Surface):
             self._shade_through(buffer, view, number, weight, rows)
 
     def _shade_threads(self, buffer: GBuffer, inputs: tuple, add: bool, rows: tuple[int, int] | None) -> None:
-        far, near = (self.threads.choose(buffer, which) for which in (False, True))
-        buffer.shade(self.program(buffer), *inputs, add=add, rows=rows, part=far)
+        for near in (False, True):
+            self.threads.choose(buffer, near)
+        buffer.shade(self.program(buffer), *inputs, add=add, rows=rows, part=False)
         woven = self.threads.inputs(self.method, buffer)
-        buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=near)
+        buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=True)
 
     def hairs(self, buffer: GBuffer, frame: Frame) -> Hairs | None:
         """The hairs that may show beyond its outline in a G-buffer; None: it has none."""
@@ -247,7 +252,7 @@ class ClothSurface(Surface):
         if self.threads.shown:
             holes = WOVEN_HOLES if self.threads.woven else {}
             virtual, defines = {**virtual, **holes}, {**self.threads.defines(self.method), **defines}
-        program = programs(self.ctx).screen("passes/picture/through.frag", defines, virtual)
+        program = shading(self.ctx, "through", defines, virtual, self.way)
         if sums:
             light = {**self.method.inputs(), **view.drawn_inputs(), **self.passes[number]}
         else:
@@ -279,7 +284,7 @@ class ClothSurface(Surface):
         return Shown(
             near,
             far,
-            programs(self.ctx).screen("passes/picture/shade_terms.frag", terms, virtual),
+            shading(self.ctx, "shade_terms", terms, virtual, self.way),
             7 * groups + 1,
             programs(self.ctx).compute("passes/picture/shade_list.comp", defines, {**self._virtual(), **woven}),
             defines,

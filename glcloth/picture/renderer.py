@@ -33,6 +33,7 @@ from .picked import Picked, pick
 from .stage import Stage
 from .surface import Surface
 from .target import Target, Targets
+from .ways import ways
 
 if TYPE_CHECKING:
     from ..curtain.show import CurtainShow
@@ -55,6 +56,7 @@ class Renderer:
         self._owner = Owner("Renderer")
         self.ctx = create_context(device) if ctx is None else ctx
         self.stage = Stage(self.ctx)
+        self._ways = ways(self.ctx)
         self._frames = Frames()
         self._targets = Targets(self.ctx)
         self._target: Target | None = None
@@ -193,6 +195,7 @@ class Renderer:
             "lobes": len(frame.lights.gaussians),
             "suns": len(frame.lights.suns),
             "covered_pixels": self.covered_pixels(),
+            **({} if traced else {"shade": self.stage.cloths[0].way}),
             **traced,
         }
 
@@ -236,6 +239,7 @@ class Renderer:
             yield from self._paths.steps(frame, target.framebuffer, pace)
             return
         surfaces = self.stage.take(frame)
+        self._ways.take(frame.scene, surfaces)
         self._target, self._by_path = target, None
         self._trace(pace)
         passes = max(surface.pass_count for surface in surfaces)
@@ -254,8 +258,13 @@ class Renderer:
                     yield done, total
                 if gathering is not None:
                     gathering.see(target, surfaces, cameras[sample], sample)
+            if rows is None and self._ways.due(frame.scene):
+                cloth = self.stage.cloths[0]
+                self._ways.measure(frame.scene, cloth, *target.part(cloth))
+                self._ways.take(frame.scene, surfaces)
             for finished in self._shade(target, surfaces, number, 1.0 / len(samples), total > 1, pace, frame):
                 yield done + finished, total
+            self._ways.drew(frame.scene)
         self.stage.draw_hairs(target, frame)
         if gathering is not None:
             gathering.shaded(target)

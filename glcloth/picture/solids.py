@@ -12,9 +12,9 @@ from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
 from ..geometry.props import Objects
 from ..gpu.buffers import TextureBuffer
+from ..gpu.covered import shading
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
-from ..gpu.programs import Draw, programs
 from ..twins.lambert import gaussian_irradiance
 from ..visibility.hit_vertices import HitSurface
 from ..visibility.irradiance import irradiance_table
@@ -164,11 +164,13 @@ class Solids(Surface):
         method = self._lit_by.method
         defines = {**buffer.defines(), **({"CATCHER": 1} if self.catches else {})}
         glossy = self._looks.glossy
-        path = "passes/picture/object.frag" if glossy else "passes/picture/lambert.frag"
+        what = "object" if glossy else "lambert"
         if method.lights_solids:
-            program, light = method.solids_program(path, defines), {**method.inputs(), **self._lit_by.passes[number]}
+            virtual, light = method.solids_includes(), {**method.inputs(), **self._lit_by.passes[number]}
+            defines = {**method.defines(), **defines}
         else:
-            program, light = self._program_of_means(path, defines), self._means(view)
+            virtual, light = {"lit.glsl": "inputs/visibility/lit_means.glsl"}, self._means(view)
+        program = shading(self.ctx, what, defines, virtual, self.way)
         share = {"pass_weight": weight, "pass_cover": 0.0 if number else weight, **self._catcher()}
         look = self._looks.inputs(buffer, self.buffers) if glossy else {}
         buffer.shade(program, light, {"reflectance_data": self._reflectance_data, **look}, share, add=add, rows=rows)
@@ -202,10 +204,6 @@ class Solids(Surface):
         gaussians, suns = self._lights.gaussians, self._lights.suns
         E = (gaussian_irradiance(gaussians.sharpness, gaussians.axis[:, 1])[:, None] * gaussians.amplitude).sum(0)
         return E + (np.maximum(suns.direction[:, 1:2], 0.0) * suns.irradiance).sum(0)
-
-    def _program_of_means(self, path: str, defines: dict[str, int]) -> Draw:
-        virtual = {"lit.glsl": "inputs/visibility/lit_means.glsl"}
-        return programs(self.ctx).screen(path, defines, virtual)
 
     def _means(self, view: PixelView) -> dict[str, Any]:
         """Gaussians and suns, each as far as it is seen, and the bounced light."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh
+from ..gpu.covered import Way
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Draw, programs
@@ -31,6 +32,7 @@ class Surface(ABC):
     original: Mesh  # as it hides light
     pass_count = 1  # additive passes over a picture
     sheer = False  # whether what is behind it is seen through it
+    way: Way = "fragment"  # how its pixels are shaded
     adaptive = False  # whether it shades all its pixels by `shade_adaptively`, before the others
 
     def __init__(self, ctx: moderngl.Context, steepness: float):

@@ -96,7 +96,7 @@ class Threads:
 
     def choose(self, buffer: GBuffer, near: bool) -> moderngl.Framebuffer:
         """The picture of a G-buffer, where only the pixels that show threads are covered, or only the others."""
-        key = buffer.drawn, self.in_metres, self.far, self.printed is not None
+        key = buffer.drawings, self.in_metres, self.far, self.printed is not None
         return buffer.part(near, lambda target: self._draw(target, buffer, near), *key)
 
     def _draw(self, target: moderngl.Framebuffer, buffer: GBuffer, near: bool) -> None:

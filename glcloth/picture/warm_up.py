@@ -9,6 +9,7 @@ import numpy as np
 
 from .frame import Frame
 from .renderer import Renderer
+from .ways import ways
 
 # Numbers of tangents and widths of lobes that need a program each (methods/direct, VARIANTS). More than 8 tangents take
 # seconds to compile and are rare: those wait for it. The first comes twice: llvmpipe compiles the very first one anew.
@@ -32,3 +33,8 @@ def warm_up(renderer: Renderer, frame: Frame) -> Iterator[None]:
             renderer.draw(replace(small, scene=scene))
             renderer.ctx.finish()
             yield
+    scene = frame.scene.changed(method="direct", quality="normal", spp=1, adaptive=False, size=(320, 240))
+    if ways(renderer.ctx).due(scene):  # in parts, as the window draws, nothing is measured
+        renderer.draw(replace(frame, scene=scene))
+        renderer.ctx.finish()
+        yield

@@ -27,6 +27,7 @@ from .threads import INCLUDE, LANES
 
 CONSTANTS: Mapping[str, Any] = shared("trace/shared.glsl")[0]
 COUNTS: Mapping[str, Any] = shared("inputs/tracing/counts.glsl")[0]
+SIZE = 4 * COUNTS["COUNTS"]  # bytes
 KINDS: int = shared("inputs/tracing/parts.glsl")[0]["LIGHT_PARTS"]
 BLOCK: tuple[int, int] = (CONSTANTS["BLOCK_WIDTH"], CONSTANTS["BLOCK_HEIGHT"])
 
@@ -85,29 +86,19 @@ class Picture:
 
 
 class Generation:
-    """The queues of one generation of rays: `front` of them lie at the front, `back` at the very end."""
+    """The queues of one generation of rays, some of which lie at the front, the others at the very end."""
 
     def __init__(self, ctx: moderngl.Context):
         self.weights = TextureBuffer(ctx, 64)
         self.radiance = TextureBuffer(ctx, 64)
         self.children = TextureBuffer(ctx, 64, "rg32ui")
-        self.front = self.back = self.capacity = 0
+        self.capacity = 0
 
     def reserve(self, capacity: int) -> None:
         """Make room for so many rays, or as many as there is room for."""
         self.capacity = capacity = max(capacity, self.capacity)
         for buffer in (self.weights, self.radiance, self.children):
             buffer.reserve(capacity * buffer.texel_bytes)
-
-    @property
-    def count(self) -> int:
-        """How many rays it has."""
-        return self.front + self.back
-
-    @property
-    def runs(self) -> dict[str, int]:
-        """Where the rays lie, by the names of the passes."""
-        return {"ray_count": self.count, "front_count": self.front, "back_first": self.capacity - self.back}
 
     def release(self) -> None:
         """Free the GPU's memory."""
@@ -126,29 +117,61 @@ class Rays:
         self._layers = TextureBuffer(ctx, 64, "rgba32ui")  # that the heads meet
         self._order = TextureBuffer(ctx, 64, "r32ui")  # of the rays of a generation, to shade
         self._shadows = TextureBuffer(ctx, 64)
-        self._counts = Buffer(ctx, 4 * COUNTS["COUNTS"])
+        self._counts = Buffer(ctx, SIZE)
+        self._unread = Buffer(ctx, SIZE)  # the counts of tiles that nobody has seen to have had room,
+        self._stages: list[list[list[float]]] = []  # and the milliseconds of their generations
         self._parts = Buffer(ctx, 64)  # of the camera's rays, where a picture wants its kinds of light
 
-    def trace(self, picture: Picture, tile: Tile, sample: int) -> None:
-        """Add one sample of each pixel of a tile to the picture."""
+    def trace(self, picture: Picture, tile: Tile, sample: int, later: bool = False) -> None:
+        """Add one sample of each pixel of a tile to the picture.
+
+        later : the CPU does not wait to see whether there was room: `unread` is to be read with what else is read of the
+            picture, and given to `fits`
+        """
         shot = picture.shot
         where = {"size": shot.size, "tile_first": tile.first, "tile_blocks": tile.blocks}
         self._make_room(tile.rays, shot.settings.depth)
-        while not self._attempt(picture, tile.rays, where, sample):
-            pass
-        parts = [generation for generation in self._generations if generation.count]
-        for parent, child in reversed(list(pairwise(parts))):
-            defines, kinds = self._parted(picture, parent is parts[0])
-            programs(self.ctx).compute("passes/tracing/gather.comp", defines).run(
-                parent.count, parent.runs, kinds, next_radiance=child.radiance, children=parent.children,
-                Radiances=parent.radiance,
+        if later:
+            self._stages.append(self._attempt(picture, tile.rays, where, sample))
+            self._unread.extend(SIZE * len(self._stages))
+            self.ctx.copy_buffer(
+                self._unread.buffer, self._counts.buffer, SIZE, write_offset=SIZE * (len(self._stages) - 1)
+            )
+        else:
+            fits = False
+            while not fits:
+                stages = self._attempt(picture, tile.rays, where, sample)
+                fits = self._look(self._counts.read(SIZE), picture.statistics, stages)
+        for level in reversed(range(shot.settings.depth - 1)):
+            parent, child = self._generations[level : level + 2]
+            defines, kinds = self._parted(picture, level == 0)
+            programs(self.ctx).compute("passes/tracing/gather.comp", defines).run_indirect(
+                self._counts, kinds, skip=4 * (COUNTS["LOG"] + COUNTS["LOG_COUNTS"] * level + 4), level=level,
+                capacity=parent.capacity, next_radiance=child.radiance, children=parent.children,
+                Radiances=parent.radiance, Counts=self._counts,
             )  # fmt: skip
+        first = self._generations[0].radiance
         defines, kinds = self._parted(picture, True)
         if picture.parts is not None:
             kinds["PictureParts"] = picture.parts
         programs(self.ctx).compute("passes/tracing/picture.comp", defines).run(
-            tile.rays, where, kinds, share=1.0 / len(shot.samples), radiances=parts[0].radiance, Picture=picture.buffer
+            tile.rays, where, kinds, share=1.0 / len(shot.samples), radiances=first, Picture=picture.buffer
         )
+
+    def begin(self) -> None:
+        """Forget what is unread."""
+        self._stages = []
+
+    @property
+    def unread(self) -> tuple[Buffer, int]:
+        """The counts of the tiles since `begin` that were traced with `later`, and how many bytes they are."""
+        return self._unread, SIZE * len(self._stages)
+
+    def fits(self, data: bytes, statistics: TraceStatistics) -> bool:
+        """Whether the tiles whose `unread` counts these are had room; else there is more now, and they are to be traced anew."""
+        tiles = [data[at : at + SIZE] for at in range(0, len(data), SIZE)]
+        # Each is looked at: the one that needs most makes most room.
+        return all([self._look(one, statistics, stages) for one, stages in zip(tiles, self._stages, strict=True)])
 
     def _parted(self, picture: Picture, first: bool) -> tuple[dict[str, int], dict[str, Any]]:
         """Defines and inputs of the passes that keep the kinds of light of the first generation apart, where that is asked."""
@@ -161,10 +184,10 @@ class Rays:
         self._generations[depth].reserve(1)
         self._head_capacity = max(self._head_capacity, rays + rays // 2)
 
-    def _attempt(self, picture: Picture, rays: int, where: Mapping[str, Any], sample: int) -> bool:
-        """Trace all generations of so many camera rays; whether there was room for them. There is more then.
+    def _attempt(self, picture: Picture, rays: int, where: Mapping[str, Any], sample: int) -> list[list[float]]:
+        """Trace all generations of so many camera rays; returns the milliseconds of their stages.
 
-        The GPU counts the rays of each generation and dispatches by them; the CPU waits once, at the end.
+        The GPU counts the rays of each generation and dispatches by them; the CPU does not wait.
         """
         shot, first, settings = picture.shot, self._generations[0], picture.shot.settings
         self._heads.reserve(32 * self._head_capacity)
@@ -178,22 +201,23 @@ class Rays:
             rays, where, picture.inputs, jitter=shot.samples[sample], stride=picture.stride, Heads=self._heads,
             Weights=first.weights,
         )  # fmt: skip
-        stages = [self._trace_generation(picture, level, sample) for level in range(settings.depth)]
-        counts = np.frombuffer(self._counts.read(4 * COUNTS["COUNTS"]), np.uint32)
-        log = counts[COUNTS["LOG"] :].reshape(-1, COUNTS["LOG_COUNTS"]).tolist()
-        for generation, (count, front, _, _) in zip(self._generations, log, strict=True):
-            generation.front, generation.back = front, count - front
+        return [self._trace_generation(picture, level, sample) for level in range(settings.depth)]
+
+    def _look(self, data: bytes, statistics: TraceStatistics, stages: list[list[float]]) -> bool:
+        """Whether there was room for the rays of a tile, by its counts; else there is more now."""
+        counts = np.frombuffer(data, np.uint32)
+        log = counts[COUNTS["LOG"] :].reshape(-1, COUNTS["LOG_COUNTS"])[:, :4].tolist()
         need_rays, need_heads = int(counts[COUNTS["NEED_RAYS"]]), int(counts[COUNTS["NEED_HEADS"]])
         if need_rays or need_heads:
             # Those behind it are not known yet.
             level = sum(row[0] > 0 for row in log)
-            for generation in self._generations[level : settings.depth]:
+            for generation in self._generations[level : len(stages)]:
                 generation.reserve(need_rays + need_rays // 4)
             self._head_capacity = max(self._head_capacity, need_heads + need_heads // 4)
             return False
         for level, (count, _, heads, shadows) in enumerate(log):
             if count:
-                picture.statistics.add(level, count, heads, shadows, stages[level])
+                statistics.add(level, count, heads, shadows, stages[level])
         return True
 
     def _begin_counts(self, rays: int) -> None:
@@ -213,6 +237,9 @@ class Rays:
             groups = -(-items // group)
             down = -(-groups // most) if items else rows
             counts[COUNTS[name] :][:3] = -(-groups // down), down, 1
+        groups = -(-rays // group)
+        down = -(-groups // most)
+        counts[log + 4 : log + 7] = -(-groups // down), down, 1
         self._counts.write(counts)
 
     def _trace_generation(self, picture: Picture, level: int, sample: int) -> list[float]:
@@ -288,7 +315,7 @@ class Rays:
 
     def release(self) -> None:
         """Free the GPU's memory."""
-        for buffer in (self._heads, self._layers, self._order, self._shadows, self._counts, self._parts):
+        for buffer in (self._heads, self._layers, self._order, self._shadows, self._counts, self._unread, self._parts):
             buffer.release()
         for generation in self._generations:
             generation.release()

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..accel.structure import Structure, make_structure
 from ..accel.triangles import PADDING, Triangles
-from ..gpu.buffers import Buffer, TextureBuffer
+from ..gpu.buffers import Buffer, LateRead, TextureBuffer, read_together
 from ..gpu.context import is_software
 from ..gpu.environment_map import EnvironmentMap
 from ..gpu.scene_buffers import SceneBuffers
@@ -54,6 +54,8 @@ class Tracer:
         self._rays = Rays(ctx)
         self._threads = Threads(ctx)
         self._software = is_software(ctx)
+        self._confirmed: tuple | None = None  # what the last picture was of that is known to have had room
+        self.remade = 0  # how many pictures had none
 
     # -- the scene -----------------------------------------------------------------------------------------------
 
@@ -84,9 +86,13 @@ class Tracer:
         """Build the structure of the triangles as they are now."""
         self.structure(accelerator).build(self.triangles)
 
-    def build_steps(self, accelerator: str = "kdtree") -> Iterator[None]:
-        """As `build`, in steps where the structure has some, for a caller with other things to do in between."""
-        yield from self.structure(accelerator).build_steps(self.triangles)
+    def build_steps(self, accelerator: str = "kdtree", later: bool = False) -> Iterator[None]:
+        """As `build`, in steps where the structure has some, for a caller with other things to do in between.
+
+        later : the CPU does not wait to see whether the structure had room, where it may be told later; `trace` and `steps`
+            find out, and build it anew
+        """
+        yield from self.structure(accelerator).build_steps(self.triangles, later)
 
     def render(
         self,
@@ -124,27 +130,79 @@ class Tracer:
         """Trace one picture of the scene that was set and built; result as for `render`."""
         width, height = shot.size
         begin = time.perf_counter()
-        steps = self.steps(shot)
+        steps = self._tiles_traced(shot, None)
         total = len(list(_tiles(width, height, self._tile_pixels))) * len(shot.samples) + (shot.renewed is not None)
         # Light that is found anew takes steps of its own, nobody knows how many.
         what, most = ("trace: photons and tiles", None) if shot.renewed else ("trace: samples of tiles", total)
         for _ in track(steps, what, most) if total > 1 else steps:
             pass
-        picture = np.frombuffer(self.picture.read(16 * width * height), np.float32).reshape(height, width, 4)
+        while True:
+            data, *unread = read_together(self.ctx, [(self.picture, 16 * width * height), *self._unread(shot)])
+            if self._fits(shot, unread):
+                break
+            self._anew(shot)
+            for _ in self._tiles_traced(shot, None):
+                pass
+        picture = np.frombuffer(data, np.float32).reshape(height, width, 4)
         self.statistics.total_ms = 1000 * (time.perf_counter() - begin)
         return picture[..., :3].copy()
 
+    def _unread(self, shot: Shot) -> list[tuple[Buffer, int]]:
+        """The buffers that say whether there was room for all of a picture, and how many of their bytes."""
+        counters = self.structure(shot.settings.accelerator).unread
+        tree = [] if counters is None else [(counters, counters.size)]
+        rays = self._rays.unread
+        return [*tree, *([rays] if rays[1] else [])]
+
+    def _fits(self, shot: Shot, read: list[bytes]) -> bool:
+        """Whether there was room, by what was read of `_unread`; else there is more now."""
+        structure, left = self.structure(shot.settings.accelerator), list(read)
+        if structure.unread is not None and not structure.fits(left.pop(0)):
+            return False
+        fits = not left or self._rays.fits(left[0], self.statistics)
+        self._confirmed = self._key(shot) if fits else None
+        return fits
+
+    def _anew(self, shot: Shot) -> None:
+        """Build the structure that had no room, and was no tree, once more."""
+        structure = self.structure(shot.settings.accelerator)
+        structure.build(self.triangles)
+        self.remade += 1
+
+    def _key(self, shot: Shot) -> tuple:
+        """What decides about how many rays there are: where it stays the same, so do they, nearly."""
+        return shot.size, shot.settings, self.triangles.count, shot.fabric.name
+
     def steps(self, shot: Shot, pixels: Callable[[], int] | None = None) -> Iterator[float]:
         """Trace one picture tile by tile into the buffer `picture`, for a caller with other things to do in between.
-        The result does not depend on the tiles.
+        The result does not depend on the tiles. A picture that had no room is made again at the end.
 
         pixels : called before each row of tiles: about how many pixels each of them shall have; default: by the device
 
         Yields the share that is done. `picture` holds a vec4 a pixel, top row first: linear Rec. 709, already divided by
         the number of samples, and how many samples have been added.
         """
+        while True:
+            yield from self._tiles_traced(shot, pixels)
+            parts = self._unread(shot)
+            if not parts:
+                return
+            late = LateRead(self.ctx, parts)
+            try:
+                while (read := late.data()) is None:
+                    yield 1.0
+            finally:
+                late.release()
+            if self._fits(shot, read):
+                return
+            self._anew(shot)
+
+    def _tiles_traced(self, shot: Shot, pixels: Callable[[], int] | None) -> Iterator[float]:
+        """As `steps`, but whether there was room is known only by what is `_unread` then."""
         width, height = shot.size
         structure = self.structure(shot.settings.accelerator)
+        later = shot.renewed is None and self._confirmed == self._key(shot)
+        self._rays.begin()
         self.statistics = TraceStatistics(build_ms=dict(structure.timings))
         begin = time.perf_counter()
         inputs = self.inputs(shot) | self._way_inputs(shot)
@@ -164,7 +222,7 @@ class Tracer:
                 origin_from_pixel=camera.origin_from_pixel(shot.size), ray_from_pixel=camera.ray_from_pixel(shot.size)
             )
             for tile in _tiles(width, height, pixels or self._tile_pixels):
-                self._rays.trace(picture, tile, sample)
+                self._rays.trace(picture, tile, sample, later)
                 self.statistics.total_ms += 1000 * (time.perf_counter() - begin)
                 done += tile.pixels(shot.size)
                 yield done / (width * height * len(shot.samples))

@@ -8,16 +8,16 @@ NODES = 256
 
 
 @lru_cache(maxsize=1)
-def _legendre(n):
-    """Nodes and weights [n] of Gauss-Legendre quadrature, by Newton's method. NumPy's takes the eigenvalues of a full matrix,
-    half a second where other processes want its threads."""
-    x = -np.cos(np.pi * (np.arange(n) + 0.75) / (n + 0.5))
-    for _ in range(6):
-        before, p = np.ones(n), x
-        for k in range(2, n + 1):
-            before, p = p, ((2 * k - 1) * x * p - (k - 1) * before) / k
-        slope = n * (x * p - before) / (x * x - 1.0)
-        x = x - p / slope
+def _gauss_legendre():
+    """NODES nodes and weights of Gauss-Legendre on [-1, 1], by Newton's method: NumPy takes the eigenvalues of a matrix for
+    them, which is half a second of all cores."""
+    x = -np.cos(np.pi * (np.arange(NODES) + 0.75) / (NODES + 0.5))
+    for _ in range(5):
+        before, P = np.ones(NODES), x
+        for n in range(2, NODES + 1):
+            before, P = P, ((2 * n - 1) * x * P - (n - 1) * before) / n
+        slope = NODES * (before - x * P) / (1.0 - x * x)
+        x = x - P / slope
     return x, 2.0 / ((1.0 - x * x) * slope**2)
 
 
@@ -29,7 +29,7 @@ def gaussian_irradiance(sharpness, cos_theta):
     """
     kappa = np.maximum(np.asarray(sharpness, float), 1e-6)[..., None]
     c = np.clip(np.asarray(cos_theta, float), -1.0, 1.0)[..., None]
-    x, weight = _legendre(NODES)
+    x, weight = _gauss_legendre()
     t, weight = (x + 1.0) / 2.0, weight / 2.0
     whole = -np.expm1(-2.0 * kappa)
     z = np.clip(1.0 + np.log1p(-t * whole) / kappa, -1.0, 1.0)

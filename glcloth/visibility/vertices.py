@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import moderngl
@@ -15,6 +17,8 @@ from ..geometry.mesh import Mesh
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import Last
 from ..gpu.programs import Compute, programs
+from ..gpu.shader import flatten
+from ..kept import keep_words, kept_path, read_kept_words
 from ..light.lights import Lights, SphericalGaussians
 from ..twins.visibility import LEAST, gaussian_table, own_directions, world_directions
 from .hit_vertices import HitVertices
@@ -31,6 +35,9 @@ BROAD_PART = 0.05  # of all light: about the share that one mean of the broad li
 NARROW = 30.0  # sharpness from which a Gaussian has directions of its own,
 OWN = 16  # so many, of all classes together
 FLAT, COSINE = 8.0, 1.0  # steepness of the weight of directions
+# What an earlier process traced is looked for of so many rays, and kept where they took so many seconds.
+WORTH_LOOKING, WORTH_KEEPING = 500_000, 0.5
+FORMAT, MOST_FILES = 1, 8  # of these files, some 10 MB each
 NEAREST_LAYER = 1 / 3  # of the way to the next layer of cloth: how far rays may start from their own
 # Buffers of passes/visibility by their names there, and their texel formats.
 DATA = {
@@ -167,15 +174,18 @@ class VertexVisibility:
 
     def _trace(self, first: int, last: int) -> None:
         """Trace directions number first to last - 1 of every class, all in one word of bits."""
-        hits = self.hit_vertices if last <= self.share else None
+        path, defines, virtual, rays = self._sight(self.hit_vertices if last <= self.share else None)
+        program = programs(self.ctx).compute(path, defines, virtual)
+        inputs = rays | {"Bits": self._data["bit_data"], "Hits": self._data["hit_data"]}
+        part = {"first_direction": first, "last_direction": last}
+        self._run_classes(program, inputs, class_directions=len(self._traced[0]), **part)
+
+    def _sight(self, hits: HitVertices | None) -> tuple[str, dict[str, int], dict[str, str], dict[str, Any]]:
+        """The pass that asks what is seen, and with `hits` where rays end: its file, defines, virtual includes, inputs."""
         path = "passes/visibility/trace.comp" if hits is None else "passes/visibility/hits.comp"
         opaque = SIGHT_ANY if hits is None else SIGHT_CLOSEST
         defines, virtual, rays = sight(self._structure, self.sheets, opaque)
-        program = programs(self.ctx).compute(path, defines, virtual)
-        outputs = {"Bits": self._data["bit_data"], "Hits": self._data["hit_data"]}
-        inputs = rays | outputs | ({} if hits is None else hits.inputs())
-        part = {"first_direction": first, "last_direction": last}
-        self._run_classes(program, inputs, class_directions=len(self._traced[0]), **part)
+        return path, defines, virtual, rays | ({} if hits is None else hits.inputs())
 
     def step(self, count: int = WORD) -> int:
         """Trace at most `count` more directions of each probe; returns how many."""
@@ -189,10 +199,8 @@ class VertexVisibility:
     def steps(self, lights: Lights | None = None, count: int = WORD) -> Iterator[int]:
         """Trace the missing directions, `count` at a time: the fixed ones, then the own ones of `lights`' narrow
         Gaussians. Yields after each step how many of each probe's are traced."""
-        while not self.complete:
-            self.step(count)
-            self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
-            yield self.done
+        if not self.complete:
+            yield from self._kept_or_traced(self.done, self.share, count)
         if lights is None or self._sharp is lights:
             return
         gaussians = lights.gaussians
@@ -201,14 +209,68 @@ class VertexVisibility:
         self._write_directions([own_directions(gaussians.axis[k], gaussians.sharpness[k], OWN) for k in self._narrow])
         words = -(-len(self._traced[0]) // self.word)
         self._data["bit_data"].extend(4 * words * len(self.probes.points))
-        first = self.share
-        while first < len(self._traced[0]):
-            last = min(first + count, (first // WORD + 1) * WORD, len(self._traced[0]))
-            self._trace(first, last)
-            self.ctx.finish()
-            first = last
-            yield last
+        if self.share < len(self._traced[0]):
+            yield from self._kept_or_traced(self.share, len(self._traced[0]), count)
         self._sharp = lights
+
+    def _kept_or_traced(self, first: int, end: int, count: int) -> Iterator[int]:
+        """Trace directions number first to end - 1 of every class, `count` at a time, or find them on disk; the fixed ones,
+        or all that follow these. Yields how many are traced."""
+        fixed = end <= self.share
+        path = self._path(fixed, end)
+        kept = read_kept_words(path, [shape for _, _, shape in self._words(fixed, end)]) if path else None
+        if kept is not None:
+            for (name, at, _), words in zip(self._words(fixed, end), kept, strict=True):
+                self._data[name].write(words, at)
+            self.done = self.share
+            yield end
+            return
+        spent, began = 0.0, first
+        while first < end:
+            begin, last = time.perf_counter(), min(first + count, (first // WORD + 1) * WORD, end)
+            self._trace(first, last)
+            self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
+            spent += time.perf_counter() - begin
+            first = last
+            if fixed:
+                self.done = last
+            yield last
+        of_all = end if fixed else end - self.share
+        if path and spent * of_all > WORTH_KEEPING * (end - began):
+            found = [np.frombuffer(self._data[name].read(4 * int(np.prod(shape)), at), np.uint32).reshape(shape)
+                     for name, at, shape in self._words(fixed, end)]  # fmt: skip
+            keep_words(path, found, MOST_FILES)
+
+    # -- on disk -----------------------------------------------------------------------------------------------------
+
+    def _words(self, fixed: bool, end: int) -> list[tuple[str, int, tuple[int, ...]]]:
+        """Where the words of the fixed directions lie, or of those that follow: buffer, first byte, shape."""
+        count, begin = len(self.probes.points), 0 if fixed else self.share // self.word
+        words: list[tuple[str, int, tuple[int, ...]]] = [
+            ("bit_data", 4 * count * begin, (-(-end // self.word) - begin, count))
+        ]
+        if fixed and self.hit_vertices is not None:
+            words.append(("hit_data", 0, (self.share, count)))
+        return words
+
+    def _path(self, fixed: bool, end: int) -> Path | None:
+        """The file of what these rays meet, named by all that it depends on; None: they are too few to be looked for."""
+        if self.sheets is not None or len(self.probes.points) * self.share < WORTH_LOOKING:
+            return None
+        path, defines, virtual, inputs = self._sight(self.hit_vertices if fixed else None)
+        triangles = self._structure.triangles
+        assert triangles is not None
+        own = [self._data[name] for name in ("probe_data", "x_data", "direction_data")]
+        # What the triangles are is in their buffers; the structure is made of them.
+        hits = list(self.hit_vertices.inputs().values()) if fixed and self.hit_vertices is not None else []
+        about = [one.read() for one in (*own, triangles.corners, *hits) if isinstance(one, TextureBuffer)]
+        numbers = sorted(
+            (name, np.asarray(v).tolist()) for name, v in inputs.items() if not isinstance(v, TextureBuffer)
+        )
+        driver = self.ctx.info["GL_RENDERER"], self.ctx.info["GL_VERSION"]
+        text, _ = flatten(path, defines, virtual)
+        folder = "visibility" if fixed else "visibility_own"
+        return kept_path(folder, FORMAT, driver, text, numbers, end, self.probes.first, *about)
 
     def total(self, lights: Lights | None = None) -> int:
         """How many directions of each probe `steps` traces in all."""

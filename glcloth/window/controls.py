@@ -37,8 +37,9 @@ def controls(model: type[Value], names: tuple[str, ...] | None = None) -> list[C
 
 
 def scene_controls(method: str) -> list[Control]:
-    """The controls of a method's own settings."""
-    return controls(Scene, METHOD_FIELDS.get(method, ()))
+    """The controls of a method's own settings, and by which way it shades pixels."""
+    shade = ("shade",) if method in get_args(MethodName) else ()
+    return controls(Scene, (*METHOD_FIELDS.get(method, ()), *shade))
 
 
 def curtain_controls(names: tuple[str, ...] = HUNG) -> list[Control]:

@@ -15,8 +15,8 @@ def main():
     ctx = create_context(chosen.device)
     print(ctx.info["GL_RENDERER"])
     common.head("structure", "pass", "dispatches", "that differ", "why they may")
-    for accelerator in ("kdtree", "lbvh"):
-        with races.Work(ctx, accelerator, chosen.triangles, (chosen.size, chosen.size)) as work:
+    for accelerator, make in races.works(ctx, chosen.triangles, (chosen.size, chosen.size)).items():
+        with make() as work:
             work.run()
             clean, total = work.result(), {}
             for _ in range(chosen.times):

@@ -18,6 +18,7 @@ from glcloth.methods.albedo import diffuse_albedo
 from glcloth.picture.renderer import Renderer
 from glcloth.twins import visibility as twin
 from glcloth.twins.visibility import LEAST
+from glcloth.visibility import vertices
 from glcloth.visibility.furnace import Furnace
 from glcloth.visibility.pixels import EDGE_RAYS, edge_layers
 from glcloth.visibility.probes import LONGEST_EDGE, place_probes, subdivided
@@ -538,3 +539,36 @@ def test_a_first_impression_under_turned_lights_traces_nothing(renderer):
     frame = renderer.prepare(**scene, env_rotate=40.0)
     assert list(renderer.trace_visibility(frame, 4, enough=16)) == []
     assert list(renderer.trace_visibility(frame, 4)), "narrow Gaussians"
+
+
+def test_what_vertices_see_is_found_on_disk_by_the_next_process(ctx, monkeypatch, tmp_path):
+    """The fixed directions with the vertices they end at, and those of narrow Gaussians: the same bits, and nothing traced."""
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path))
+    monkeypatch.setattr(vertices, "WORTH_LOOKING", 1)
+    monkeypatch.setattr(vertices, "WORTH_KEEPING", -1.0)
+    traced, trace = [], vertices.VertexVisibility._trace
+    monkeypatch.setattr(
+        vertices.VertexVisibility, "_trace", lambda self, *part: traced.append(part) or trace(self, *part)
+    )
+    narrow = SphericalGaussians([[0.3, 1, 0.2], [0, 1, 0]], [60.0, 2.0], [[3.0, 3.0, 3.0], [1.0, 1.0, 1.0]])
+    cloth, other = wavy(8), sheet(4)
+    common = {"fabric": "linen", "mesh": cloth, "lights": narrow, "size": (32, 24)}
+
+    def drawn(**changes):
+        traced.clear()
+        return Renderer(ctx=ctx).render(**{**common, **changes}), len(traced)
+
+    first, count = drawn()
+    again, none = drawn()
+    assert count > 4 and none == 0
+    np.testing.assert_array_equal(first, again)
+    # Other lights have narrow directions of their own, another mesh everything.
+    turned = SphericalGaussians(narrow.axis[:, [2, 1, 0]], narrow.sharpness, narrow.amplitude)
+    assert 0 < drawn(lights=turned)[1] < count
+    assert drawn(mesh=other)[1] > 4
+    # A damaged file is as none.
+    for file in (tmp_path / "visibility").iterdir():
+        file.write_bytes(file.read_bytes()[:-40])
+    again, some = drawn()
+    assert 0 < some
+    np.testing.assert_array_equal(first, again)

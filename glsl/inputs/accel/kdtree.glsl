@@ -9,12 +9,11 @@
 
 uniform usamplerBuffer tree_nodes;    // passes/accel/kdtree_emit.comp says how they are packed
 uniform usamplerBuffer leaf_corners;  // passes/accel/kdtree_leaves.comp
-uniform vec3 scene_low;
-uniform vec3 scene_high;
+uniform usamplerBuffer tree_box;      // the root's: low, high
 
 void traverse(Ray ray, inout Visit visit) {
     vec3 inv_d = safe_inverse(ray.d);
-    vec2 range = slab(ray.o, inv_d, scene_low, scene_high);
+    vec2 range = slab(ray.o, inv_d, uintBitsToFloat(texelFetch(tree_box, 0).xyz), uintBitsToFloat(texelFetch(tree_box, 1).xyz));
     float t_0 = max(range.x, 0.0);
     float t_1 = min(range.y, ray.t_max);
     if (!(t_0 <= t_1)) return;

@@ -1,5 +1,5 @@
 // Method `reference` with shadows: a ray for every direction of the sum, and what it meets sends back.
-// Each pass adds `direction_count` directions from `first_direction` on; so no invocation nears a loop limit. Fragments only.
+// Each pass adds `direction_count` directions from `first_direction` on; so no invocation nears a loop limit. Of pixels only: `shaded_pixel`.
 #include "inputs/picture/fabric.glsl"
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
@@ -14,9 +14,9 @@ uniform int first_direction;
 uniform int direction_count;
 
 vec3 L_o(vec3 omega_o, mat3 surface_from_world) {
-    vec3 origin = origin_at(ivec2(gl_FragCoord.xy));
+    vec3 origin = origin_at(shaded_pixel);
 #ifdef FINER
-    if (own_levels > 0) origin = origin_finer(ivec2(gl_FragCoord.xy), texelFetch(frame_x, ivec2(gl_FragCoord.xy), 0).w);
+    if (own_levels > 0) origin = origin_finer(shaded_pixel, texelFetch(frame_x, shaded_pixel, 0).w);
 #endif
     vec3 sum = vec3(0.0);
     for (int d = first_direction; d < first_direction + direction_count; ++d) {

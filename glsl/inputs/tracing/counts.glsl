@@ -21,10 +21,11 @@ const int OTHER_GROUPS = 21;  // and the others,
 const int SHADOW_GROUPS = 24;  // that send the shadow rays
 const int NEED_RAYS = 27;     // places that a generation lacks: it needs so many; 0: none
 const int NEED_HEADS = 28;
-const int LOG = 29;           // LOG_COUNTS for each generation: its rays, those at the front, heads cast, shadow rays
-const int LOG_COUNTS = 4;
+// LOG_COUNTS for each generation: its rays, those at the front, heads cast, shadow rays, and the work groups that gather its light.
+const int LOG = 29;
+const int LOG_COUNTS = 7;
 const int LOGS = 9;
-const int COUNTS = 65;
+const int COUNTS = 92;
 const int GROUP = 64;         // invocations of a work group of these passes
 
 layout(std430) buffer Counts { uint count[]; };

@@ -8,6 +8,7 @@ layout(local_size_x = 256) in;
 #include "inputs/accel/kdtree_counters.glsl"
 uniform usamplerBuffer nodes;
 layout(std430) coherent buffer Sizes { uvec2 size[]; };      // nodes, triangles of the subtree
+layout(std430) writeonly buffer TreeBox { uvec4 box[]; };      // of the root
 layout(std430) coherent buffer Places { uvec2 place[]; };   // node, first triangle
 uniform int large_levels;    // that were dispatched
 uniform int small_levels;
@@ -47,6 +48,8 @@ void main() {
         counter[LEAF_REF_COUNT] = leaf_refs;
         uvec3 low = texelFetch(nodes, 0).xyz;
         uvec3 high = texelFetch(nodes, 1).xyz;
+        box[0] = uvec4(low, 0u);
+        box[1] = uvec4(high, 0u);
         for (int axis = 0; axis < 3; ++axis) {
             counter[ROOT_BOX + axis] = low[axis];
             counter[ROOT_BOX + 3 + axis] = high[axis];

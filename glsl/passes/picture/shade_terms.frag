@@ -1,26 +1,6 @@
 #version 430
 // Shades every second pixel of every second row as cloth from afar, and keeps what each tangent adds to it.   [own]
-#include "method.glsl"
-#include "seen.glsl"
-#include "inputs/picture/gbuffer.glsl"
+#include "inputs/picture/shade_terms.glsl"
 layout(early_fragment_tests) in;  // a shader that writes to an image is tested late otherwise
-// GROUPS layers each of surface terms' luminance, red, blue, of volume terms', of how far they lean; then how far colours do.
-layout(rgba32f) writeonly uniform image2DArray terms;
-out vec4 color;
 
-void store(ivec2 at, int layer, mat3x4 texels) {
-    for (int i = 0; i < 3; ++i) imageStore(terms, ivec3(at, layer + i * GROUPS), texels[i]);
-}
-
-void main() {
-    ivec2 at = ivec2(gl_FragCoord.xy), pixel = min(2 * at, textureSize(frame_N, 0) - 1);
-    mat3 surface_from_world = surface_from_world_at(pixel);
-    vec3 omega_o = surface_from_world * omega_o_at(vec2(pixel) + 0.5);
-    fetch_visibility(pixel);
-    vec3 L = L_o(vec3(omega_o.xy, max(omega_o.z, 1e-4)), surface_from_world);
-    color = vec4(with_bounce(L), 1.0);
-#define STORE_TERMS(g) store(at, g, term_texels(term_s[g])); store(at, g + 3 * GROUPS, term_texels(term_v[g])); \
-    imageStore(terms, ivec3(at, g + 6 * GROUPS), side_texel(g));
-    EACH_GROUP(STORE_TERMS)
-    imageStore(terms, ivec3(at, 7 * GROUPS), side_color_texel());
-}
+void main() { shade(ivec2(gl_FragCoord.xy)); }

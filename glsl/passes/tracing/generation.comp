@@ -32,6 +32,8 @@ void main() {
     count[log] = rays;
     count[log + 1] = front;
     count[log + 2] = count[CAST];
+    set_groups(log + 4, rays);
+    count[log + 6] = 1u;
     count[ONWARD] = count[MIRRORED] = count[WAITING] = count[ON_CLOTH] = count[ELSEWHERE] = 0u;
     uint rows = max((rays + uint(GROUP) * most_groups - 1u) / (uint(GROUP) * most_groups), 1u);
     count[COLUMN_RAYS] = rows * uint(GROUP);
