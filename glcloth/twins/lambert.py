@@ -1,13 +1,10 @@
 """Twin of the Lambertians' light: a spherical Gaussian's irradiance by the clamped cosine, in float64."""
 
-from functools import lru_cache
-
 import numpy as np
 
 NODES = 256
 
 
-@lru_cache(maxsize=1)
 def _gauss_legendre():
     """NODES nodes and weights of Gauss-Legendre on [-1, 1], by Newton's method: NumPy takes the eigenvalues of a matrix for
     them, which is half a second of all cores."""
@@ -21,6 +18,9 @@ def _gauss_legendre():
     return x, 2.0 / ((1.0 - x * x) * slope**2)
 
 
+X, WEIGHT = _gauss_legendre()
+
+
 def gaussian_irradiance(sharpness, cos_theta):
     """E [...] = integral of exp(kappa (omega . xi - 1)) max(omega . N, 0) over the sphere, cos_theta = xi . N.   [own]
 
@@ -29,8 +29,7 @@ def gaussian_irradiance(sharpness, cos_theta):
     """
     kappa = np.maximum(np.asarray(sharpness, float), 1e-6)[..., None]
     c = np.clip(np.asarray(cos_theta, float), -1.0, 1.0)[..., None]
-    x, weight = _gauss_legendre()
-    t, weight = (x + 1.0) / 2.0, weight / 2.0
+    t, weight = (X + 1.0) / 2.0, WEIGHT / 2.0
     whole = -np.expm1(-2.0 * kappa)
     z = np.clip(1.0 + np.log1p(-t * whole) / kappa, -1.0, 1.0)
     r = np.sqrt(np.maximum(1.0 - z * z, 0.0))
