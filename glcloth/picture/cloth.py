@@ -16,6 +16,7 @@ from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Compute, Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
+from ..light.lights import Lights
 from ..methods.albedo import diffuse_albedo
 from ..methods.method import Method
 from ..methods.registry import make_method
@@ -289,5 +290,13 @@ class ClothSurface(Surface):
             programs(self.ctx).compute("passes/picture/shade_list.comp", defines, {**self._virtual(), **woven}),
             defines,
             woven,
-            lambda: self.threads.inputs(self.method, buffer),
+            lambda: {**self.threads.inputs(self.method, buffer), "term_scale": term_scale(self._lights)},
         )
+
+
+def term_scale(lights: Lights) -> float:
+    """A power of two that makes what cloth reflects of lights about 1, so that half floats hold it, whatever their unit."""
+    gaussians, suns = lights.gaussians, lights.suns
+    solid = -np.pi * np.expm1(-2.0 * np.maximum(gaussians.sharpness, 1e-6)) / np.maximum(gaussians.sharpness, 1e-6)
+    total = float(np.abs(gaussians.amplitude * solid[:, None]).sum() + np.abs(suns.irradiance).sum())
+    return float(2.0 ** -round(np.log2(total))) if total > 0.0 else 1.0

@@ -3,7 +3,7 @@
 python tests/measure/weave.py [means zoom cost pictures edges] [--fabrics denim_raw,tartan] [--rounds 9] [--sheet threads.jpg]
 
 means: whole repeats under the studio, near over far - 1 in %, by angle of view: with weights and occlusion alone, with roll,
-with relief; so at 0.25, 0.5 and 1 yarn a pixel; and with irregular yarns over 300 of them. zoom: a plane seen at 35 degrees, a
+with relief; so at 0.28, 0.5 and 1 yarn a pixel; and with irregular yarns over 300 of them. zoom: a plane seen at 35 degrees, a
 width of 1 cm to 3 m in steps of 3 %: the largest step of the mean, its largest deviation, and the deviation of means of 16 x 16
 pixels (moire). cost: CPU time of a frame 4 cm wide, with threads over without, and by the adaptive rate. pictures: a sheet of
 30 cm, 4 cm and 1.2 cm of each. edges: a sheet of the built-in cloth's outline, 4 cm and 1.2 cm of each, and what hairs cost.
@@ -74,7 +74,7 @@ def means(renderer, names):
         common.row(name, "weights, occlusion", *over(woven(flat, roll=0.0), 40 * yarn, yarn / 8))
         common.row("", "and roll", *over(flat, 40 * yarn, yarn / 8))
         common.row("", "and relief", *over(woven(fabric), 40 * yarn, yarn / 8))
-        for share in (0.25, 0.5, 1.0):
+        for share in (0.28, 0.5, 1.0):
             common.row("", f"{share} yarns a pixel", *over(woven(fabric), 300 * share * yarn, share * yarn))
         common.row("", "irregular yarns", *over(fabric, 300 * yarn, yarn / 2))
 
