@@ -113,6 +113,12 @@ def test_a_second_curtain_by_every_way_that_light_takes(renderer, tmp_path):
     by_radiosity = luminance(np.asarray(renderer.render(scene.changed(gi="radiosity")), float))
     for here in (slice(None), middle):
         assert abs(by_radiosity[here].mean() / by_photons[here].mean() - 1) < 0.12
+    dark = scene.changed(curtain=small | {"behind": "blackout"})
+    by_radiosity, by_photons = (
+        luminance(np.asarray(renderer.render(dark.changed(gi=gi)), float))[middle].mean()
+        for gi in ("radiosity", "photons")
+    )
+    assert by_radiosity < 1.5 * by_photons, "the sheer one does not see what shines on the blackout's back"
     with pytest.raises(InputError, match="curtain: behind Linen plain: has no"):
         renderer.render(scene.changed(curtain=small | {"behind": "linen"}))
 
