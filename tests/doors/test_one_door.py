@@ -98,10 +98,11 @@ def test_frames_of_the_curtain_keep_their_scene(tmp_path):
     [
         ({"noise": 1.0}, "--noise: of method path"),
         ({"denoise": True, "method": "direct"}, "--denoise: of method path"),
-        ({"photons": 5000}, "--photons: of gi photons"),
+        ({"photons": 5000, "curtain": CurtainParameters()}, "--photons: of gi photons"),
     ],
 )
 def test_options_that_nothing_reads_are_one_line(changes, said):
+    changes = dict(changes)
     with pytest.raises(InputError, match=said):
-        with_options(Scene(), changes)
+        with_options(Scene(curtain=changes.pop("curtain", None)), changes)
     assert with_options(Scene(), {"noise": 1.0, "method": "path"}).noise == 1.0
