@@ -1,6 +1,6 @@
 """Parameters of a fabric at three values, from afar and 2 cm of it: the pictures of docs/parameters.md.
 
-python examples/14_parameters.py [out/parameters] [NAME ... | all]  (three; all take some minutes on two cores)
+python examples/14_parameters.py [out/parameters] [NAME ... | all]  (draft; all take half an hour on two cores)
 """
 
 import io
@@ -142,7 +142,7 @@ def strip(renderer, name):
 
 
 if __name__ == "__main__":
-    names = sys.argv[2:] or ["gamma_s_deg", "draft", "width"]
+    names = sys.argv[2:] or ["draft"]
     names = list(PARAMETERS) if names == ["all"] else names
     if unknown := set(names) - set(PARAMETERS):
         sys.exit(f"{unknown.pop()}: no such parameter; known: {', '.join(PARAMETERS)}")
