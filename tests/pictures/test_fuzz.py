@@ -82,6 +82,9 @@ def test_hairs_stand_out_and_the_cloth_stays(renderer):
     assert np.array_equal(with_hairs[within], without[within])
     assert not np.array_equal(with_hairs[rim], without[rim])
     assert np.isclose(with_hairs[rim].mean(), without[rim].mean(), rtol=0.01)
+    # Before the cloth hairs make it lighter or darker, and mix no colour of theirs into it.
+    lighter = with_hairs[rim, :, :3].astype(float) / without[rim, :, :3]
+    assert np.ptp(lighter, axis=-1).max() < 1e-4
     hair = with_hairs[beyond, :, :3].sum((0, 1)) / with_hairs[beyond, :, 3].sum()
     assert 0.6 < luminance(hair) / luminance(without[within, :, :3].mean((0, 1))) < 1.4
 
