@@ -13,7 +13,7 @@ import glcloth
 from glcloth.metrics import compare, difference
 
 path = output(sys.argv[1] if len(sys.argv) > 1 else "out/04_linen_silk_satin.png")
-size = sys.argv[2] if len(sys.argv) > 2 else "320x240"
+size = sys.argv[2] if len(sys.argv) > 2 else "240x180"
 environment = sys.argv[3] if len(sys.argv) > 3 else "studio"
 rows = []
 with glcloth.Renderer() as renderer:

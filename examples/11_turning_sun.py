@@ -20,7 +20,7 @@ path = str(output(sys.argv[1] if len(sys.argv) > 1 else "out/11_turning_sun/%04d
 if path.endswith(".mp4"):
     needs("av", "video")
 size = sys.argv[2] if len(sys.argv) > 2 else "320x240"
-frames = int(sys.argv[3]) if len(sys.argv) > 3 else 50
+frames = int(sys.argv[3]) if len(sys.argv) > 3 else 24
 rate = 25
 camera = glcloth.Camera(eye=(1.0, 1.5, 3.6), target=(0.05, 1.25, 0.1), fov_deg=40.0)
 sun = fit_lights(load_environment("sky"), 10).suns.direction[0]

@@ -1,6 +1,6 @@
 """Parameters of a fabric at three values, from afar and 2 cm of it: the pictures of docs/parameters.md.
 
-python examples/14_parameters.py [out/parameters] [NAME ... | all]  (three; all take some minutes on two cores)
+python examples/14_parameters.py [out/parameters] [NAME ... | all]  (draft; all take half an hour on two cores)
 """
 
 import io
@@ -84,6 +84,8 @@ PARAMETERS = {
     "occlusion": ("linen_heavy", weave("occlusion"), (0.0, 0.5, 0.95)),
     "roll": ("linen_heavy", weave("roll"), (0.0, 0.5, 1.0)),
     "relief": ("linen_heavy", weave("relief"), (0.0, 0.5, 1.0)),
+    "fuzz": ("flannel", weave("fuzz"), (0.0, 6.0, 24.0)),
+    "fuzz_length": ("flannel", weave("fuzz_length"), (0.5, 1.5, 4.0)),
     "shift": ("linen_heavy", uneven("shift"), (0.0, 0.15, 0.4)),
     "length": ("linen_heavy", uneven("length"), (1.0, 8.0, 48.0)),
     "yarn": ("linen_heavy", uneven("yarn"), (0.0, 0.15, 0.5)),
@@ -108,9 +110,8 @@ PARAMETERS = {
 }
 
 
-def near_scene():
+def near_scene(side=0.5):
     """A flat piece of cloth, its UVs in metres, and the camera that sees WIDTH of it."""
-    side = 0.5
     corners = np.array([[-side, 0, side], [side, 0, side], [side, 0, -side], [-side, 0, -side]])
     uv = side * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
     away, height = 0.95 * WIDTH * np.array([np.cos(1.0), np.sin(1.0)])
@@ -118,13 +119,14 @@ def near_scene():
     return {"mesh": build_mesh("flat", corners, np.array([[0, 1, 2], [0, 2, 3]]), uv, None), "camera": camera}
 
 
-def scenes(base):
-    """How a fabric is shown: from afar and near, before a lit background where light comes through."""
+def scenes(base, name):
+    """How a fabric is shown: from afar and near, before a lit background where light comes through; hairs at its edge."""
     if base.transmission is not None:
         hung = {"mesh": "folds", "env": "sky", "env_rotate": 150, "size": SIZE}
         return {**hung, "spp": 2}, {**hung, "camera": glcloth.View(view="close"), "spp": 2}
     lit = {"env": "studio", "size": SIZE, "exposure": 0.3}
-    return {**lit, "mesh": "drape", "spp": 2}, {**lit, **near_scene(), "shadows": "off", "spp": 4}
+    near = near_scene(0.25 * WIDTH) if name.startswith("fuzz") else near_scene()
+    return {**lit, "mesh": "drape", "spp": 2}, {**lit, **near, "shadows": "off", "spp": 4}
 
 
 def strip(renderer, name):
@@ -133,14 +135,14 @@ def strip(renderer, name):
     base = glcloth.load_fabric(start)
     fabrics = [change(base, value) for value in values]
     rows = []
-    for scene in scenes(base):
+    for scene in scenes(base, name):
         pictures = [view(renderer.render(fabric=f, **scene), "filmic", 0.3) for f in fabrics]
         rows.append(np.concatenate([np.pad(p, ((0, GAP), (0, GAP), (0, 0)), constant_values=1.0) for p in pictures], 1))
     return np.round(255 * np.concatenate(rows)[:-GAP, :-GAP]).astype(np.uint8)
 
 
 if __name__ == "__main__":
-    names = sys.argv[2:] or ["gamma_s_deg", "draft", "width"]
+    names = sys.argv[2:] or ["draft"]
     names = list(PARAMETERS) if names == ["all"] else names
     if unknown := set(names) - set(PARAMETERS):
         sys.exit(f"{unknown.pop()}: no such parameter; known: {', '.join(PARAMETERS)}")

@@ -127,6 +127,12 @@ class Triangles:
             Attributes=self.attributes, rows=rows, columns=columns, first=first, material=material,
         )  # fmt: skip
 
+    def take(self, corners: np.ndarray, attributes: np.ndarray) -> None:
+        """All triangles as others have them on the GPU: uint32 [T, 12] and [T, 4]; two successive ones are a pair."""
+        self._join(0, np.arange(self.count) % 2 == 0)
+        self.corners.write(np.ascontiguousarray(corners))
+        self.attributes.write(np.ascontiguousarray(attributes))
+
     def pairs(self) -> tuple[int, TextureBuffer]:
         """How many pairs and single triangles there are, and a texel for each: twice the first triangle's number, plus 1 if
         its successor belongs to it.

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -33,31 +33,29 @@ from ..tracing.shot import Shot
 from .charts import OPEN
 from .folds import Folds, HangingCloth, attenuate
 from .form_factors import AZIMUTHS_DEG, PROXIES, FormFactors, Sheet, factor_steps
+from .layer_light import CELLS, CurtainLayers, HangingPiece
 from .room import Room
 
-CELLS = PROXIES[0] * PROXIES[1]
 LAMP_POINTS = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])  # of an element, in its sides
 CLOTH_SAMPLES = 22  # triangles of a cell of the curtain to which the lamp's rays are cast
 SKY_SIZE = (32, 64)  # the map that the sky is read from: texels as wide as a cell of an opening at least
-
-
-class HangingPiece(NamedTuple):
-    """A piece of cloth: rows and columns of its quads, how far its middle is off the sheet's, and how wide it is, in sheets."""
-
-    rows: int
-    columns: int
-    shift: float = 0.0
-    width: float = 1.0
 
 
 class Radiosity:
     """The light around one room with one curtain."""
 
     def __init__(
-        self, ctx: moderngl.Context, room: Room, sheet: Sheet, hung: Triangles, pieces: Sequence[HangingPiece]
+        self,
+        ctx: moderngl.Context,
+        room: Room,
+        sheet: Sheet,
+        hung: Triangles,
+        pieces: Sequence[HangingPiece],
+        each: Sequence[Triangles] = (),
     ):
         """
-        hung : the curtains alone as they hang without wind; it is released with this. pieces : of them, one behind the other
+        hung : the curtains alone as they hang without wind; it is released with this. pieces : of them, one behind the other.
+        each : of two curtains each alone, released as well
         """
         self.ctx, self.room = ctx, room
         self.cloth = HangingCloth(ctx, hung, sheet)
@@ -65,6 +63,7 @@ class Radiosity:
         self._structure: Structure | None = None
         self._triangles = Triangles.of(ctx, room.positions, 1)
         self._cell_triangles = _cells_of(pieces)
+        self._layers = CurtainLayers(ctx, sheet, each, pieces) if each else None
         self._buffers: dict[str, TextureBuffer] = {}
         self._lamp: Last[int] = Last()
         self._folds: Last[Folds] = Last()
@@ -132,7 +131,8 @@ class Radiosity:
         self._chart_texels = len(source)
         for name in ("lights", "arrived", "received", "sent", "sources"):
             self._put(name, 64)
-        self._buffers["light_texels"] = TextureBuffer(self.ctx, 16 * (len(source) + 6 * CELLS))
+        most = 6 * CELLS * (1 if self._layers is None else 2)
+        self._buffers["light_texels"] = TextureBuffer(self.ctx, 16 * (len(source) + most))
 
     def _put(self, name: str, data: Any, format: str = "rgba32f") -> None:
         if isinstance(data, np.ndarray) and format == "rgba32f" and data.shape[-1] == 3:
@@ -188,6 +188,9 @@ class Radiosity:
         grown[: len(lit)] = light
         self._put("lights", grown)
         self._buffers["arrived"].reserve(16 * len(listed))
+        if self._layers is not None:
+            more, entries = self._layers.samples(self._cell_triangles, len(lit), len(listed))
+            lists, listed = np.concatenate([lists, more]), np.concatenate([listed, entries])
         self._put("lists", lists, "rg32ui")
         self._put("listed", listed, "rg32ui")
         self._put("chosen", np.zeros(1, np.uint32), "r32ui")
@@ -243,6 +246,9 @@ class Radiosity:
             sky_sent[:, c] = sent
             shares[:P, c], shares[front, c], shares[back, c] = rho[:, c], folds.lamp[0, c], folds.lamp[1, c]
         self._put("bounces", bounces)
+        if self._layers is not None:
+            lamp = self._layers.lamp_shares()
+            sky_sent, shares = np.concatenate([sky_sent, np.zeros_like(lamp)]), np.concatenate([shares, lamp])
         self._put("sky", sky_sent)
         self._put("shares", shares)
         self._put("sky_light", sky)
@@ -261,6 +267,8 @@ class Radiosity:
         fabric = "".join(one.model_dump_json() for one in shot.fabrics)
         hung = inputs | ({"fabric_from": [k - first for k in inputs["fabric_from"]]} if shot.others else {})
         folds = self._folds.get(lambda: self.cloth.folds(hung, chosen), fabric, lamp.position, lamp.intensity)
+        if self._layers is not None:
+            self._layers.find(hung, shot, fabric)
         sky = self._sky.get(
             lambda: self._sky_light(shot, folds), folds, shot.environment, shot.env_rotate, shot.lighting.background
         )
@@ -279,11 +287,12 @@ class Radiosity:
         attenuate(self.ctx, structure, inputs, b["points"], b["lights"], b["arrived"], lit + len(chosen))
         S, R = f.light_senders, f.factors.shape[1]
         N, P = len(f.charts.positions), len(f.charts.patches)
-        for name, count in (("sources", S), ("sent", S), ("received", R)):
+        senders = S + (0 if self._layers is None else 4 * CELLS)
+        for name, count in (("sources", senders), ("sent", S), ("received", R)):
             b[name].reserve(16 * count)
         passes.compute("passes/curtain/sources.comp").run(
-            S, lights=b["arrived"], sky=b["sky"], shares=b["shares"], lists=b["lists"], listed=b["listed"],
-            Sources=b["sources"], sender_count=S,
+            senders, lights=b["arrived"], sky=b["sky"], shares=b["shares"], lists=b["lists"], listed=b["listed"],
+            Sources=b["sources"], sender_count=senders,
         )  # fmt: skip
         passes.compute("passes/curtain/bounces.comp").run(
             S, bounces=b["bounces"], sources=b["sources"], Sent=b["sent"], sender_count=S
@@ -298,6 +307,8 @@ class Radiosity:
             texel_weights=b["texel_weights"], Texels=b["light_texels"], chart_texels=self._chart_texels, texel_count=texels,
             first_receiver=N, first_cell=P, cell_count=CELLS,
         )  # fmt: skip
+        if self._layers is not None:
+            self._layers.light(b, self._chart_texels, N, S)
         return self.inputs()
 
     def inputs(self) -> dict[str, Any]:
@@ -322,6 +333,8 @@ class Radiosity:
             buffer.release()
         self.cloth.release()
         self._triangles.release()
+        if self._layers is not None:
+            self._layers.release()
         if self._structure is not None:
             self._structure.release()
 

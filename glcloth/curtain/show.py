@@ -276,10 +276,6 @@ class CurtainShow:
     def radiosity(self) -> Radiosity:
         """The light around the room, made at first use."""
         if self._radiosity is None:
-            if self.simulation.has_behind:
-                raise InputError(
-                    "gi radiosity: of one curtain, which is a flat sheet there; leave behind out, or take gi photons or off"
-                )
             m, s = self.simulation.parameters, self.simulation
             rails = [pleated_rail(one.parameters, one.columns)[:, 1].mean() for one in s.pieces]
             sheet = Sheet(-m.width / 2, m.upper - m.drop, m.width / 2, m.upper, float(np.mean(rails)))
@@ -287,8 +283,24 @@ class CurtainShow:
                 HangingPiece(one.rows - 1, one.columns - 1, panel.shift / m.width, panel.parameters.width / m.width)
                 for one, panel in zip(s.pieces, s.panels, strict=True)
             ]
-            self._radiosity = Radiosity(self.ctx, self.room, sheet, self._hung, grids)
+            self._radiosity = Radiosity(self.ctx, self.room, sheet, self._hung, grids, self._each_alone())
         return self._radiosity
+
+    def _each_alone(self) -> list[Triangles]:
+        """Of two curtains each, as it hangs without wind."""
+        s = self.simulation
+        if not s.has_behind:
+            return []
+        corners, attributes = (
+            np.frombuffer(buffer.read(size * self._hung.count), np.uint32).reshape(-1, size // 4)
+            for buffer, size in ((self._hung.corners, 48), (self._hung.attributes, 16))
+        )
+        out, middle = [], s.first_of(BEHIND)
+        for here in (slice(0, middle), slice(middle, self._hung.count)):
+            one = Triangles(self.ctx, len(corners[here]), self._hung.padding / PADDING)
+            one.take(corners[here], attributes[here])
+            out.append(one)
+        return out
 
     @property
     def paths(self) -> CurtainPaths:

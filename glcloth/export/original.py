@@ -21,6 +21,8 @@ NODES = 96  # places across a ball's picture at which it is computed
 
 def _said(percent: float) -> str:
     """Two figures, without an exponent."""
+    if percent < 0.01:
+        return "less than 0.01"
     return f"{percent:.0f}" if percent >= 10.0 else f"{percent:.2g}"
 
 

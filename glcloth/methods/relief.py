@@ -56,26 +56,37 @@ def relief_table(
     hole : mean share of holes. flat : yarns have no height, so one level serves. The table is kept on disk.
     """
     levels = 1 if flat else LEVELS
+    layers, shape = (2 * groups + 1) * levels, (2 * groups + 1, levels, SIDE, SIDE, 4)
+    if flat:
+        return _texture(ctx, _without_heights(np.zeros(shape, np.float32), groups, hole))
     each = " ".join(f"F({g});" for g in range(groups))
     defines = {"GROUPS": groups, "EACH_GROUP(F)": each}
-    layers = (2 * groups + 1) * levels
     own = {"table_side": SIDE, "first_level": first, "levels": levels, "per_level": PER_LEVEL, "sample_count": SAMPLES}
     numbers = {
         name: value for name, value in inputs.items() if not isinstance(value, moderngl.Texture | moderngl.TextureArray)
     }
     text, _ = flatten(PASS, defines)
     about = FORMAT, ctx.info["GL_RENDERER"], ctx.info["GL_VERSION"], sorted(own.items()), sorted(numbers.items()), hole
-    path, shape = kept_path("relief", about, text, *content), (2 * groups + 1, levels, SIDE, SIDE, 4)
+    path = kept_path("relief", about, text, *content)
     values = read_kept(path, shape, np.inf)
     if values is None:
         means = Buffer(ctx, 16 * SIDE * SIDE * layers)
         programs(ctx).compute(PASS, defines).run(SIDE * SIDE * levels, inputs, own, Means=means)
         values = np.frombuffer(means.read(16 * SIDE * SIDE * layers), "f4").reshape(shape).copy()
         means.release()
-        values[:groups, -1], values[groups:-1, -1], values[-1, -1] = 1.0, 0.0, hole  # without heights they are known
-        if not flat:
-            keep(path, values, MOST_FILES)
-    table = ctx.texture3d((SIDE, SIDE, layers), 4, values.tobytes(), dtype="f4")
+        keep(path, _without_heights(values, groups, hole), MOST_FILES)
+    return _texture(ctx, values)
+
+
+def _without_heights(values: np.ndarray, groups: int, hole: float) -> np.ndarray:
+    """The table, in whose last level yarns have no height: its means are known."""
+    values[:groups, -1], values[groups:-1, -1], values[-1, -1] = 1.0, 0.0, hole
+    return values
+
+
+def _texture(ctx: moderngl.Context, values: np.ndarray) -> moderngl.Texture3D:
+    """The table [2 groups + 1, levels, SIDE, SIDE, 4] on the GPU."""
+    table = ctx.texture3d((SIDE, SIDE, values.shape[0] * values.shape[1]), 4, values.tobytes(), dtype="f4")
     table.filter = moderngl.LINEAR, moderngl.LINEAR
     table.repeat_x = table.repeat_y = table.repeat_z = False
     return table

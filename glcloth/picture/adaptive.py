@@ -126,7 +126,7 @@ class AdaptiveRate:
         if self._terms is None or self._terms.layers != shown.layers:
             if self._terms is not None:
                 self._terms.release()
-            self._terms = self.ctx.texture_array((*self._coarse.size, shown.layers), 4, dtype="f4")
+            self._terms = self.ctx.texture_array((*self._coarse.size, shown.layers), 4, dtype="f2")
             self._terms.filter = moderngl.LINEAR, moderngl.LINEAR
             self._terms.repeat_x = self._terms.repeat_y = False
         self._cover(buffer, shown.near, clears=False)

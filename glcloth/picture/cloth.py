@@ -9,12 +9,14 @@ import moderngl
 import numpy as np
 
 from ..fabric import Fabric, Transmission
+from ..geometry.hairs import Hairs
 from ..geometry.mesh import Mesh
 from ..gpu.covered import Way, shading
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Compute, Draw, programs
 from ..gpu.scene_buffers import SceneBuffers
+from ..light.lights import Lights
 from ..methods.albedo import diffuse_albedo
 from ..methods.method import Method
 from ..methods.registry import make_method
@@ -27,6 +29,7 @@ from ..visibility.sheets import Passed, sees_through
 from ..visibility.vertices import FLAT
 from .adaptive import AdaptiveRate, Shown
 from .frame import Cloth, Frame
+from .fuzz import Fuzz
 from .openings import CutTextures, mostly_closed, open_last
 from .pace import Pace
 from .prints import Print
@@ -59,6 +62,7 @@ class ClothSurface(Surface):
         self._cut = CutTextures(ctx)
         self.adaptive_rate: AdaptiveRate | None = None
         self.threads = Threads(ctx)
+        self.fuzz = Fuzz(ctx)
 
     def named_method(self, name: str) -> Method:
         """The method of a name, made at first use. Raises InputError for an unknown one."""
@@ -213,6 +217,19 @@ class ClothSurface(Surface):
         woven = self.threads.inputs(self.method, buffer)
         buffer.shade(self.woven_program(buffer), *inputs, woven, add=add, rows=rows, part=True)
 
+    def hairs(self, buffer: GBuffer, frame: Frame) -> Hairs | None:
+        """The hairs that may show beyond its outline in a G-buffer; None: it has none."""
+        weave = self._fabric.weave
+        if not self.threads.woven or weave is None or not weave.fuzz or frame.camera.aperture:
+            return None
+        return self.fuzz.hairs(self._fabric, buffer, self.threads.in_metres, self.threads.far, frame) or None
+
+    def draw_hairs(self, hairs: Hairs, buffer: GBuffer, nearest: moderngl.Texture, frame: Frame) -> None:
+        """Draw them over the finished picture; `nearest`: the depth of all that is in it."""
+        albedo = self.visibility.furnace.albedo(self.scene_buffers)
+        inputs = self.threads.inputs(self.method, buffer)
+        self.fuzz.draw(self._fabric, albedo, hairs, buffer, nearest, self.visibility, frame, inputs)
+
     def straight_program(self, buffer: GBuffer) -> Draw:
         if not self.threads.woven:
             return super().straight_program(buffer)
@@ -273,5 +290,13 @@ class ClothSurface(Surface):
             programs(self.ctx).compute("passes/picture/shade_list.comp", defines, {**self._virtual(), **woven}),
             defines,
             woven,
-            lambda: self.threads.inputs(self.method, buffer),
+            lambda: {**self.threads.inputs(self.method, buffer), "term_scale": term_scale(self._lights)},
         )
+
+
+def term_scale(lights: Lights) -> float:
+    """A power of two that makes what cloth reflects of lights about 1, so that half floats hold it, whatever their unit."""
+    gaussians, suns = lights.gaussians, lights.suns
+    solid = -np.pi * np.expm1(-2.0 * np.maximum(gaussians.sharpness, 1e-6)) / np.maximum(gaussians.sharpness, 1e-6)
+    total = float(np.abs(gaussians.amplitude * solid[:, None]).sum() + np.abs(suns.irradiance).sum())
+    return float(2.0 ** -round(np.log2(total))) if total > 0.0 else 1.0

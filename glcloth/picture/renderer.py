@@ -265,6 +265,7 @@ class Renderer:
             for finished in self._shade(target, surfaces, number, 1.0 / len(samples), total > 1, pace, frame):
                 yield done + finished, total
             self._ways.drew(frame.scene)
+        self.stage.draw_hairs(target, frame)
         if gathering is not None:
             gathering.shaded(target)
         if frame.scene.background:

@@ -209,3 +209,16 @@ class Stage:
         for _, part in parts:
             part.view.resolve_bounce()
         yield from pace.pause(self.ctx)
+
+    def draw_hairs(self, target: Target, frame: Frame) -> None:
+        """Draw the hairs of cloth that stand out beyond its outline over the finished picture."""
+        found = []
+        for cloth in self.cloths_in_frame:
+            buffer = target.part(cloth).buffer
+            if (hairs := cloth.hairs(buffer, frame)) is not None:
+                found.append((cloth, hairs, buffer))
+        if not found:
+            return
+        nearest = target.nearest(self.surfaces)
+        for cloth, hairs, buffer in found:
+            cloth.draw_hairs(hairs, buffer, nearest, frame)

@@ -195,6 +195,14 @@ class Target:
         for layer in self._layers:
             draw_screen(program, self._whole, values, blend="add", left=layer.left, layer=layer.color)
 
+    def nearest(self, surfaces: Sequence[Surface]) -> moderngl.Texture:
+        """The depth of what is nearest, as it is drawn."""
+        order = self._order = self._order or DepthOrder(self.ctx, self.size)
+        order.clear()
+        for surface in surfaces:
+            order.add(self.part(surface).buffer)
+        return order.nearest
+
     @property
     def layered(self) -> bool:
         """Whether the last draw had cloth that is seen through."""

@@ -41,7 +41,7 @@ class Threads:
         self._written: Last[None] = Last()
         self._scale: Last[float] = Last()
         self._buffers: MeshBuffers
-        self._in_metres, self._far = 1.0, 0.0
+        self.in_metres, self.far = 1.0, 0.0
         self._fabric: Fabric
 
     def prepare(
@@ -60,8 +60,8 @@ class Threads:
         if self.shown:
             mesh = buffers.mesh
             in_metres = self.woven or (self.printed is not None and self.printed[0].in_metres)
-            self._in_metres = self.unit(mesh, frame) if in_metres else 1.0
-            self._written.get(lambda: self._write(mesh, self._in_metres), mesh, self._in_metres)
+            self.in_metres = self.unit(mesh, frame) if in_metres else 1.0
+            self._written.get(lambda: self._write(mesh, self.in_metres), mesh, self.in_metres)
             self._buffers, self._fabric = buffers, fabric
 
     def unit(self, mesh: Mesh, frame: Frame) -> float:
@@ -72,8 +72,8 @@ class Threads:
         """Whether a pixel may be near enough to show threads."""
         if not frame.scene.threads or fabric.weave is None or buffers.mesh.uv is None:
             return False
-        self._far = far_footprint(fabric)
-        return least_footprint(frame, buffers) < self._far
+        self.far = far_footprint(fabric)
+        return least_footprint(frame, buffers) < self.far
 
     def _write(self, mesh: Mesh, scale: float) -> None:
         assert mesh.uv is not None
@@ -91,12 +91,12 @@ class Threads:
             "thread_uv": self._uv,
             "viewpoint": buffer.drawn.camera.viewpoint,
             "step_from_pixel": buffer.drawn.camera.step_from_pixel(buffer.size),
-            "far_footprint": self._far,
+            "far_footprint": self.far,
         }
 
     def choose(self, buffer: GBuffer, near: bool) -> moderngl.Framebuffer:
         """The picture of a G-buffer, where only the pixels that show threads are covered, or only the others."""
-        key = buffer.drawings, self._in_metres, self._far, self.printed is not None
+        key = buffer.drawings, self.in_metres, self.far, self.printed is not None
         return buffer.part(near, lambda target: self._draw(target, buffer, near), *key)
 
     def _draw(self, target: moderngl.Framebuffer, buffer: GBuffer, near: bool) -> None:
@@ -139,7 +139,7 @@ class Threads:
         """What inputs/picture/print.glsl reads; nothing without a print."""
         if self.printed is None:
             return {}
-        scale = 1.0 if self.printed[0].in_metres else self._in_metres
+        scale = 1.0 if self.printed[0].in_metres else self.in_metres
         return self._print.inputs(*self.printed, scale)
 
 

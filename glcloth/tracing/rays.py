@@ -23,6 +23,7 @@ from ..gpu.layout import shared
 from ..gpu.programs import Compute, programs
 from .fabrics import fabric_defines
 from .shot import DEEPEST, Shot, TraceStatistics
+from .threads import INCLUDE, LANES
 
 CONSTANTS: Mapping[str, Any] = shared("trace/shared.glsl")[0]
 COUNTS: Mapping[str, Any] = shared("inputs/tracing/counts.glsl")[0]
@@ -67,6 +68,14 @@ class Picture:
     def holes(self) -> dict[str, Any]:
         """The defines of passes that know the cloth: where a weave has its holes, and that there are several fabrics."""
         return ({"HOLES": 1} if "hole_map" in self.inputs else {}) | fabric_defines(self.inputs)
+
+    @property
+    def threads(self) -> dict[str, Any]:
+        """The defines of passes that know where it has its threads, too: where all cloth is of one fabric."""
+        if "hole_map" not in self.inputs or fabric_defines(self.inputs):
+            return self.holes
+        woven = {"WEAVE": 1, "GROUPS": self.inputs.get("tangent_groups"), "LANE_COUNT": LANES}
+        return {**self.holes, **woven}
 
     @property
     def stride(self) -> int:
@@ -271,10 +280,13 @@ class Rays:
                     "CLOTH": cloth,
                     "SPREAD": int(settings.spread),
                     "GI": int(picture.shot.indirect is not None),
-                    **(picture.holes if cloth else {}),
+                    **(picture.threads if cloth else {}),
                     **parted,
                 },
-                {"indirect.glsl": picture.shot.indirect_source},
+                {
+                    "indirect.glsl": picture.shot.indirect_source,
+                    **(INCLUDE if cloth and "WEAVE" in picture.threads else {}),
+                },
             )
             shade.run_indirect(
                 self._counts, picture.inputs, kinds, skip=4 * groups, layers=self._layers, order=self._order, heads=self._heads,

@@ -23,10 +23,10 @@ from ..light.environment import rotation_y
 from ..progress import track
 from .energy import mean_albedo, reflection_limit
 from .fabrics import Fabrics, straight_share
-from .holes import Holes
 from .layers import draw_layers
 from .rays import BLOCK, KINDS, Picture, Rays, Tile
 from .shot import Shot, TraceStatistics
+from .threads import Threads
 
 TILE_PIXELS = 1 << 17  # rays of the first generation at a time; each causes up to 2^(depth - 1) more
 # A GPU waits for the CPU once a tile, and has the memory: 16 tiles of 1920x1080 take twice as long as two.
@@ -52,7 +52,7 @@ class Tracer:
         self._fabrics = Fabrics(ctx)
         self._environment = EnvironmentMap(ctx)
         self._rays = Rays(ctx)
-        self._holes = Holes(ctx)
+        self._threads = Threads(ctx)
         self._software = is_software(ctx)
         self._confirmed: tuple | None = None  # what the last picture was of that is known to have had room
         self.remade = 0  # how many pictures had none
@@ -282,7 +282,7 @@ class Tracer:
             "environment_from_world": rotation_y(-shot.env_rotate),
             "has_environment": shot.environment is not None,
             **sky,
-            **self._holes.inputs(shot),
+            **self._threads.inputs(shot),
         }
 
     def release(self) -> None:
@@ -295,7 +295,7 @@ class Tracer:
             self._fabrics,
             self._environment,
             self._rays,
-            self._holes,
+            self._threads,
         ):
             thing.release()
         for structure in self._structures.values():

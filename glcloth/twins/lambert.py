@@ -18,6 +18,9 @@ def _gauss_legendre():
     return x, 2.0 / ((1.0 - x * x) * slope**2)
 
 
+X, WEIGHT = _gauss_legendre()
+
+
 def gaussian_irradiance(sharpness, cos_theta):
     """E [...] = integral of exp(kappa (omega . xi - 1)) max(omega . N, 0) over the sphere, cos_theta = xi . N.   [own]
 
@@ -26,8 +29,7 @@ def gaussian_irradiance(sharpness, cos_theta):
     """
     kappa = np.maximum(np.asarray(sharpness, float), 1e-6)[..., None]
     c = np.clip(np.asarray(cos_theta, float), -1.0, 1.0)[..., None]
-    x, weight = _gauss_legendre()
-    t, weight = (x + 1.0) / 2.0, weight / 2.0
+    t, weight = (X + 1.0) / 2.0, WEIGHT / 2.0
     whole = -np.expm1(-2.0 * kappa)
     z = np.clip(1.0 + np.log1p(-t * whole) / kappa, -1.0, 1.0)
     r = np.sqrt(np.maximum(1.0 - z * z, 0.0))

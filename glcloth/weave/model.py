@@ -103,6 +103,10 @@ class Weave(Value):
     relief: float = about(
         "", "how far yarns hide each other from the side: 1 as they are high", default=1.0, ge=0.0, le=1.0
     )
+    fuzz: float = about(
+        "1/mm^2", "hairs that stand out from the cloth; they show beyond its outline", default=0.0, ge=0.0, le=60.0
+    )
+    fuzz_length: float = about("mm", "how long these hairs are", default=1.0, ge=0.1, le=6.0)
     irregularity: Irregularity = Irregularity()
     colors: Literal["yarn", "draft", "stripes"] = about(
         "", "whose colours the threads have: the yarn's albedo, the draft's, or the stripes'", default="yarn"

@@ -17,6 +17,7 @@ Mode = Literal["cloth", "curtain"]
 # Fields that B takes from A: the two sides show the same view of the same cloth in the same light.
 SHARED = (
     "mesh",
+    "subdivide",
     "fabrics",
     "print",
     "prints",

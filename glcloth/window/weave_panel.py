@@ -23,7 +23,22 @@ from .widgets import CLAMP, GREY, Panel, buttons, chooser, tip
 
 SETT = controls(Weave, ("ends_per_cm", "picks_per_cm"))
 YARNS = controls(
-    Weave, ("width", "flat", "crimp", "bow", "twist_deg", "pinch", "occlusion", "roll", "relief", "colors", "far")
+    Weave,
+    (
+        "width",
+        "flat",
+        "crimp",
+        "bow",
+        "twist_deg",
+        "pinch",
+        "occlusion",
+        "roll",
+        "relief",
+        "fuzz",
+        "fuzz_length",
+        "colors",
+        "far",
+    ),
 )
 STEEPEST = controls(Weave, ("tilt_deg",))[0]
 IRREGULAR = controls(Irregularity)

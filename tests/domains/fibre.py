@@ -32,6 +32,14 @@ def two_lobes(rng, count):
 
 JOINT = {"lobe_weights": two_lobes, "lobe_direction": a_lobe, "lobe_pdf": a_lobe}
 SPECIAL = {
+    ("hair_place", "way"): lambda rng, count: rng.random((count, 4)),
+    ("hair_place", "bend"): lambda rng, count: rng.random((count, 4)),
+    ("hair_place", "s"): between(0.0, 1.0),
+    ("hair_cover", "x"): between(-4.0, 4.0),
+    ("hair_cover", "width"): between(0.01, 6.0),
+    ("hair_horizon", "N"): directions,
+    ("hair_horizon", "omega"): directions,
+    ("hair_horizon", "soft"): between(0.25, 1.0),
     ("lobe_ends", "omega_o"): seen,
     ("lobe_weights", "weight"): between(0.0, 1.0),
     ("lobe_weights", "A"): between(0.0, 1.0),

@@ -106,6 +106,9 @@ def test_resume_keeps_frames_of_the_same_film_that_are_whole(tmp_path):
     assert load_scene(tmp_path / "1.png") == film.scene and missing(film, [0, 1, 2, 3]) == []
     for other in ({"frames": 8}, {"turntable": False}, {"turn_env": 90.0}, {"wind": 2.0}, {"rate": 25}):
         assert missing(replace(film, **other), [0, 1, 2, 3]) == [0, 1, 2, 3], other
+    both = replace(film, turn_env=90.0)
+    both.write(0, np.ones((6, 8, 3)))
+    assert missing(both, [0]) == [] and missing(replace(both, turntable=True), [0]) == [0]
     # The frames of a film in which nothing turns do not know how many they are.
     rests = replace(film, turntable=False)
     rests.write(0, np.ones((6, 8, 3)))

@@ -11,7 +11,7 @@ from glcloth.errors import InputError
 
 EDITS = st.lists(st.tuples(st.sampled_from(KINDS), st.floats(0, 1), st.integers(0, 1 << 16)), min_size=1, max_size=4)
 THRIFTY = settings(
-    max_examples=40, deadline=None, database=None, derandomize=True, suppress_health_check=list(HealthCheck)
+    max_examples=200, deadline=None, database=None, derandomize=True, suppress_health_check=list(HealthCheck)
 )
 
 

@@ -11,6 +11,7 @@ from glcloth.curtain.show import CurtainShow
 from glcloth.errors import InputError
 from glcloth.geometry.camera import Camera
 from glcloth.image import read_image
+from glcloth.picture.options import with_options
 from glcloth.picture.renderer import Renderer
 from glcloth.scene import CurtainParameters, Scene, View, load_scene
 from glcloth.window.sharing import as_command, as_python
@@ -90,3 +91,18 @@ def test_frames_of_the_curtain_keep_their_scene(tmp_path):
         np.testing.assert_array_equal(read_image("one.exr"), read_image("1.exr"))
         np.testing.assert_array_equal(read_image("again2.exr"), read_image("2.exr"))
         assert load_scene("1.exr").frame == 1
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"noise": 1.0}, "--noise: of method path"),
+        ({"denoise": True, "method": "direct"}, "--denoise: of method path"),
+        ({"photons": 5000, "curtain": CurtainParameters()}, "--photons: of gi photons"),
+    ],
+)
+def test_options_that_nothing_reads_are_one_line(changes, said):
+    changes = dict(changes)
+    with pytest.raises(InputError, match=said):
+        with_options(Scene(curtain=changes.pop("curtain", None)), changes)
+    assert with_options(Scene(), {"noise": 1.0, "method": "path"}).noise == 1.0

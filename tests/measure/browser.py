@@ -4,6 +4,7 @@ python tests/measure/browser.py [out/browser]   (Debian: apt-get install chromiu
 """
 
 import base64
+import contextlib
 import json
 import subprocess
 import sys
@@ -70,6 +71,9 @@ class Browser:
         self("/actions", {"actions": [{"type": "pointer", "id": "mouse", "actions": moves}]})
 
     def close(self):
+        """End Chromium with its session, and the driver."""
+        with contextlib.suppress(OSError):
+            urllib.request.urlopen(urllib.request.Request(self.root, method="DELETE"), timeout=30).read()
         self.process.terminate()
         self.process.wait(10)
 

@@ -7,7 +7,8 @@ a folder that is not the checkout. Commands that open a window get a virtual dis
 eight seconds. `pip install 'glcloth[EXTRA]'` installs that extra of the clone, also where an example asks for it; `dask`
 runs in the background until its document ends. `make test` and what needs a rented service is named and left out. A table
 says seconds, seconds of CPU and exit codes; exit 1 if anything failed or an example took more than 60 s. Other work on
-the machine makes seconds longer, so the limit is on the CPU's, which two cores halve at best.
+the machine makes seconds longer, so the limit is on the CPU's, which two cores halve at best. The CPU of `--workers` and of
+servers is not among it: they outlive their command.
 """
 
 import argparse

@@ -144,7 +144,7 @@ def main(folder):
         name = command.split(".")[0]
         print(f"glcloth render -o {name}.png --mesh {command} --units cm {LOOK}")
         print(f"glcloth render -o {name}_studio.png --mesh {command} --units cm {LOOK} {STUDIO}")
-    print(f"glcloth render -o skirt_mh.png --mesh skirt_mh.obj --units dm --fabric tartan {SKIRT}")
+    print(f"glcloth render -o skirt_mh.png --mesh skirt_mh.obj --units dm --subdivide 2 --fabric tartan {SKIRT}")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
-"""`--gi photons` of two curtains, one behind the other, against `--method path`; a table of docs/curtain.md.
+"""`--gi radiosity` (or photons) of pairs and of two curtains against `--method path`; a table of docs/curtain.md.
 
-python tests/measure/layers_of_curtains.py [--spp 512] [--size 54] [--frame 24]
+python tests/measure/layers_of_curtains.py [--spp 512] [--size 54] [--frame 24] [--gi radiosity]
 
 The judge traces pixels as large as 3 x 3 of the other picture. Mean of |difference| and difference of the means of luminance over
 the judge's mean, the mean error that the judge's noise alone would make, the bias outside of the curtains; in %.
@@ -19,7 +19,7 @@ CURTAINS = {
     "linen_curtain, 1.2 m open": ("linen_curtain", {"open": 1.2}),
     "linen_curtain 1.2 m open, sheer_voile behind": ("linen_curtain", {"behind": "sheer_voile", "open": 1.2}),
 }
-options = common.options(__doc__, None, spp=512, size=54, frame=24)
+options = common.options(__doc__, None, spp=512, size=54, frame=24, gi="radiosity")
 common.head("curtains", "mean", "bias", "noise", "bias of the room")
 with glcloth.Renderer() as renderer:
     for name, (fabric, curtain) in CURTAINS.items():
@@ -28,7 +28,7 @@ with glcloth.Renderer() as renderer:
         renderer.render(Scene(size=(n, n), method="path", spp=options.spp, **look))
         sums = renderer.path_sums()
         b, error = luminance(sums.picture[..., :3].astype(float)), sums.standard_error.astype(float)
-        scene = Scene(size=(3 * n, 3 * n), gi="photons" if "behind" in curtain else "radiosity", spp=4, **look)
+        scene = Scene(size=(3 * n, 3 * n), gi=options.gi, spp=4, **look)
         a = luminance(np.asarray(renderer.render(scene), float)).reshape(n, 3, n, 3).mean((1, 3))
         room = np.ones((n, n), bool)
         room[n // 8 : 7 * n // 8, n // 7 : 8 * n // 9] = False

@@ -79,7 +79,7 @@ def main():
             if method == "direct":
                 print(
                     f"bright cases of the six above {LARGE:.0%}:",
-                    {int(seeds[i]): round(100 * error[i], 2) for i in large},
+                    {int(seeds[i]): round(100 * float(error[i]), 2) for i in large},
                 )
 
 

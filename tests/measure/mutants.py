@@ -67,7 +67,7 @@ NEAREST = {
     "glsl/inputs/methods/direct|glsl/direct/": "tests/pictures/test_check.py",
     "glcloth/methods/direct/": "tests/pictures/test_check.py tests/pictures/test_planted.py",
     "passes/tracing/(path|picture)|tracing/(path|sky|energy)": "tests/pictures/test_path.py",
-    "tracing/(denoise|holes|path_)": "tests/pictures/test_path_curtain.py tests/pictures/test_traced_holes.py",
+    "tracing/(denoise|threads|path_)": "tests/pictures/test_path_curtain.py tests/pictures/test_traced_holes.py",
     "passes/tracing/|glcloth/tracing/|inputs/tracing/": "tests/pictures/test_check.py",
     "tracing/(layers|plain|tree_view)": "tests/pictures/test_curtain_views.py",
     "tracing/(indirect|local_light)": "tests/pictures/test_radiosity.py tests/pictures/test_photons.py",

@@ -1,12 +1,12 @@
 """What threads near by do to the picture: does the mean stay that of the far cloth, from every side and at every distance?
 
-python tests/measure/weave.py [means zoom cost pictures] [--fabrics denim_raw,tartan] [--rounds 9] [--sheet threads.jpg]
+python tests/measure/weave.py [means zoom cost pictures edges] [--fabrics denim_raw,tartan] [--rounds 9] [--sheet threads.jpg]
 
 means: whole repeats under the studio, near over far - 1 in %, by angle of view: with weights and occlusion alone, with roll,
-with relief; so at 0.25, 0.5 and 1 yarn a pixel; and with irregular yarns over 300 of them. zoom: a plane seen at 35 degrees, a
+with relief; so at 0.28, 0.5 and 1 yarn a pixel; and with irregular yarns over 300 of them. zoom: a plane seen at 35 degrees, a
 width of 1 cm to 3 m in steps of 3 %: the largest step of the mean, its largest deviation, and the deviation of means of 16 x 16
 pixels (moire). cost: CPU time of a frame 4 cm wide, with threads over without, and by the adaptive rate. pictures: a sheet of
-30 cm, 4 cm and 1.2 cm of each.
+30 cm, 4 cm and 1.2 cm of each. edges: a sheet of the built-in cloth's outline, 4 cm and 1.2 cm of each, and what hairs cost.
 """
 
 import statistics
@@ -30,7 +30,9 @@ BRIGHTEST = 0.35  # mean of a picture: a satin may mirror the lamp
 
 def woven(fabric, even=True, **changes):
     loose = fabric.weave.irregularity
-    return fabric.changed(weave=fabric.weave.changed(irregularity=loose.changed(**EVEN) if even else loose, **changes))
+    return fabric.changed(
+        weave=fabric.weave.changed(irregularity=loose.changed(**EVEN) if even else loose, fuzz=0.0, **changes)
+    )
 
 
 def sheet(width, height):
@@ -72,7 +74,7 @@ def means(renderer, names):
         common.row(name, "weights, occlusion", *over(woven(flat, roll=0.0), 40 * yarn, yarn / 8))
         common.row("", "and roll", *over(flat, 40 * yarn, yarn / 8))
         common.row("", "and relief", *over(woven(fabric), 40 * yarn, yarn / 8))
-        for share in (0.25, 0.5, 1.0):
+        for share in (0.28, 0.5, 1.0):
             common.row("", f"{share} yarns a pixel", *over(woven(fabric), 300 * share * yarn, share * yarn))
         common.row("", "irregular yarns", *over(fabric, 300 * yarn, yarn / 2))
 
@@ -133,6 +135,39 @@ def pictures(renderer, names, path):
     Image.fromarray(codes).resize((codes.shape[1] * 2 // 3, codes.shape[0] * 2 // 3)).save(path, quality=78)
 
 
+def edge_view(width, aspect):
+    """A camera that sees the outline of a fold of the built-in cloth."""
+    p = glcloth.load_mesh("drape").positions
+    target = p[np.argmax(p[:, 1] - 0.3 * np.abs(p[:, 0]))]
+    fov = float(np.degrees(2 * np.arctan(0.5 * width / aspect / 0.5)))
+    return Camera(tuple(np.add(target, (0.0, 0.01, 0.5))), tuple(target), (0.0, 1.0, 0.0), max(fov, 1.0))
+
+
+def edges(renderer, names, path, rounds):
+    common.head("fabric", "hairs", "frame with / without, 4 cm", "1.2 cm")
+    columns = []
+    for name in names:
+        cells, times, count = [], [], 0
+        for width in (0.04, 0.012):
+            look = {"fabric": name, "mesh": "drape", "camera": edge_view(width, 4 / 3), "exposure": 0.3}
+            picture = np.asarray(renderer.render(size=(320, 240), spp=4, **look))[..., :3]
+            cells.append(picture * min(1.0, BRIGHTEST / float(picture.mean())))
+            bald = glcloth.load_fabric(name)
+            bald = bald.changed(weave=bald.weave.changed(fuzz=0.0))
+            frames = [renderer.prepare(size=(640, 480), **{**look, "fabric": f}) for f in (name, bald)]
+            spent = [[], []]
+            for _ in range(rounds):
+                for frame, own in zip(frames, spent, strict=True):
+                    renderer.draw(frame)
+                    own.append(common.spent(renderer, lambda frame=frame: renderer.draw(frame))[1])
+            times.append(min(spent[0]) / min(spent[1]))
+            count = count or len(renderer.stage.cloths[0].fuzz.last or ())
+        columns.append(np.concatenate(cells))
+        common.row(name, str(count), *times)
+    codes = np.round(255 * srgb_encode(np.concatenate(columns, 1).clip(0.0, 1.0))).astype("u1")
+    Image.fromarray(codes).save(path, quality=85)
+
+
 def main():
     options = common.options(__doc__, ["means", "zoom", "cost"], fabrics=FABRICS, rounds=9, sheet="threads.jpg")
     with glcloth.Renderer() as renderer:
@@ -140,6 +175,7 @@ def main():
             {
                 "means": means, "zoom": zoom, "cost": lambda r, n: cost(r, n, options.rounds),
                 "pictures": lambda r, n: pictures(r, n, options.sheet),
+                "edges": lambda r, n: edges(r, n, options.sheet, options.rounds),
             }[what](renderer, options.fabrics)  # fmt: skip
 
 

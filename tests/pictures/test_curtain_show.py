@@ -165,3 +165,6 @@ def test_light_of_the_curtain_adds_up(renderer, traced):
         np.testing.assert_allclose(
             renderer.render(scene, aovs=LIGHT, ambient=(0, 0, 0))["direct"], layers["direct"], atol=1e-6
         )
+        # Of the sky alone cloth shows what comes through it; hardly anything is mirrored by it from the dark room.
+        sky = renderer.render(scene, aovs=LIGHT, ambient=(0, 0, 0), lamp_intensity=(0, 0, 0))
+        assert sky["transmission"][cloth].mean() > 10.0 * sky["bounce"][cloth].mean()

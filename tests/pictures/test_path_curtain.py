@@ -1,6 +1,8 @@
 """Method `path` in the curtain's room, and its denoiser: closed forms, the other tracer, and two ways to draw the sky."""
 
 import dataclasses
+import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,7 +21,7 @@ from glcloth.scene import Scene
 from glcloth.tracing.denoise import denoised
 from glcloth.tracing.energy import mean_albedo, reflection_limit
 from glcloth.tracing.lamp import Lamp
-from glcloth.tracing.path import PathTracer, PathView
+from glcloth.tracing.path import PathSums, PathTracer, PathView
 from glcloth.tracing.path_world import PathWorld
 from glcloth.twins.sheet import R_limited, R_sheet, T_open, T_sheet
 
@@ -176,6 +178,30 @@ def test_the_renderer_traces_the_curtain_by_paths(renderer):
     assert renderer.path_sums().noise <= 60.0
     with pytest.raises(InputError, match="expected trace or path"):
         renderer.render(scene, method="direct")
+
+
+def test_a_denoiser_is_told_of_edges_and_of_the_background(monkeypatch):
+    """Of two samples one pixel is covered by one: its alpha is denoised, too, and what is not covered has an albedo of 1."""
+    told = []
+
+    def denoise(color, albedo, normal, hdr=False):
+        told.append((color, albedo, normal, hdr))
+        return 0.5 * color
+
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: name)
+    monkeypatch.setitem(sys.modules, "pyoidn", SimpleNamespace(denoise=denoise))
+    albedo = np.full((1, 3, 3), 0.2, np.float32) * np.array([0.0, 1.0, 2.0], np.float32)[None, :, None]
+    light, cover = np.full((1, 3, 3), 4.0, np.float32), np.array([[0.0, 1.0, 2.0]], np.float32)
+    clean = denoised(PathSums(2, light, light[..., 0], np.zeros((1, 3, 3), np.float32), albedo, cover))
+    (_, first, _, hdr), (alpha, second, _, _) = told
+    np.testing.assert_allclose(first[0, :, 0], [1.0, 0.6, 0.2], rtol=1e-6)
+    np.testing.assert_array_equal(first, second)
+    assert hdr and clean.shape == (1, 3, 4)
+    np.testing.assert_allclose(alpha[0, :, 0], [0.0, 0.5, 1.0])
+    np.testing.assert_allclose(clean[0, :, :3], 1.0)
+    np.testing.assert_allclose(clean[0, :, 3], [0.0, 0.25, 0.5])
+    whole = denoised(PathSums(2, light, light[..., 0], np.zeros((1, 3, 3), np.float32), albedo, 2.0 * (cover > 0)))
+    np.testing.assert_array_equal(whole[0, :, 3], [0.0, 1.0, 1.0])  # no edge: as it was
 
 
 def test_denoised_pictures_are_nearer_to_the_truth(renderer, monkeypatch):

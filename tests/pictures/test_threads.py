@@ -10,7 +10,7 @@ from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
 from glcloth.gpu.pictures import picture_array
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
-from glcloth.methods import relief
+from glcloth.methods import relief, weave_maps
 from glcloth.methods.relief import LEVELS, SIDE, relief_table
 from glcloth.methods.weave_maps import WeaveMaps, fabric_maps, repeat_of
 from glcloth.picture import uv_scale
@@ -20,8 +20,9 @@ EVEN = {"shift": 0.0, "yarn": 0.0, "fibre": 0.0}
 
 
 def woven(name, **changes):
+    """A fabric without the hairs that stand out beyond a sheet of it."""
     fabric = load_fabric(name)
-    return fabric.changed(weave=fabric.weave.changed(**changes))
+    return fabric.changed(weave=fabric.weave.changed(**{"fuzz": 0.0, **changes}))
 
 
 def even(name):
@@ -70,7 +71,7 @@ def test_mean_of_whole_repeats_is_the_far_cloth(renderer, name, relief):
 
 
 def test_wandering_yarns_keep_the_mean(renderer):
-    fabric = load_fabric("denim_raw")
+    fabric = woven("denim_raw")
     mesh = patch(fabric, 0.3)
     view = camera(30, 70, 0.3)
     look = {**LOOK, "size": (640, 640)}
@@ -290,6 +291,13 @@ def test_the_table_is_kept_on_disk_as_it_was_made(ctx, monkeypatch, tmp_path):
     assert table() == first
     monkeypatch.setattr(relief, "SAMPLES", 65)
     assert table() != first and len(list((tmp_path / "relief").iterdir())) == 2
+    # Other heights make another table, even where all else is the same.
+    calls = []
+    monkeypatch.setattr(weave_maps, "relief_table", lambda *all: calls.append(all) or relief_table(*all))
+    table()
+    ctx_, read, (layers, height), *rest = calls[0]
+    relief_table(ctx_, read, (layers, height + 0.01), *rest).release()
+    assert len(list((tmp_path / "relief").iterdir())) == 3
 
 
 def test_threads_are_shown_unless_they_are_not_wanted(renderer):

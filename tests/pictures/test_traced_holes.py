@@ -21,16 +21,25 @@ def quad(side, z):
     return np.array([[a, c, b], [b, c, d]])
 
 
-@pytest.mark.parametrize("eye", [0.05, -0.05], ids=["through the cloth", "its light on a wall"])
-def test_holes_are_the_far_cloth_in_the_mean(ctx, eye):
-    fabric = load_fabric("lace")
-    side = 3.0 * repeat_of(fabric)[0]
+@pytest.mark.parametrize(
+    ("name", "eye", "lamp"),
+    [
+        ("lace", 0.05, (0.0, 0.0, 1e3)),
+        ("lace", -0.05, (0.0, 0.0, 1e3)),
+        ("sheer_voile", 0.05, (300.0, 500.0, 800.0)),
+        ("linen_curtain", 0.05, (300.0, 500.0, -800.0)),
+    ],
+    ids=["through the cloth", "its light on a wall", "threads before the light", "threads behind it"],
+)
+def test_holes_and_threads_are_the_far_cloth_in_the_mean(ctx, name, eye, lamp):
+    fabric = load_fabric(name)
+    side = (3.0 if name == "lace" else 12.0) * repeat_of(fabric)[0]
     # A wall that is seen and lit through the same holes would not have the product of the means.
-    count = 2 if eye > 0.0 else 4
+    count = 4 if eye < 0.0 else 2
     positions = np.concatenate([quad(side, 0.0), quad(1.0, WALL)])[:count]
     shot = Shot(
         Camera((0.0, 0.0, eye), (0.0, 0.0, WALL), ortho=side), (128, 128), fabric,
-        Lighting(Lamp((0.0, 0.0, 1e3), (1e6, 1e6, 1e6)), (0.0, 0.0, 0.0)), settings=TraceSettings(3, accelerator="brute"),
+        Lighting(Lamp(lamp, (1e6, 1e6, 1e6)), (0.0, 0.0, 0.0)), settings=TraceSettings(3, accelerator="brute"),
         grid=HangingGrid(0, 1, (side, side), (-side, -side, 0.0), (side, side, 0.0)),
     )  # fmt: skip
     tracer = Tracer(ctx)

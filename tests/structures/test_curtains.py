@@ -30,11 +30,11 @@ def test_pairs_leave_the_middle_free():
 
 def test_the_wind_blows_no_curtain_through_the_other(ctx):
     """Rays from the vertices of the one before into the room meet nothing of the one behind, though that is blown into it."""
-    curtains = Curtains(ctx, CurtainParameters(behind="lace", open=0.8, wind=1.5, **COARSE), behind_openness=0.2)
+    curtains = Curtains(ctx, CurtainParameters(behind="blackout", open=0.4, wind=1.5, **COARSE))
     try:
         behind = curtains.pieces[-1]
         rest = behind.positions()[..., 2].max()
-        for _ in range(10):
+        for _ in range(16):
             curtains.step(1 / 24)
         assert behind.positions()[..., 2].max() > rest + 0.1
         mesh = behind.mesh()

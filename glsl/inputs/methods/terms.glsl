@@ -18,6 +18,8 @@ mat3x4 broad_terms[3];
 vec2 broad_side[3];
 vec4 broad_weight[3];
 
+uniform float term_scale;  // of the terms that are kept, as half floats: a power of 2 that makes them about 1
+
 const vec3 LIGHT_LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 void begin_terms() {
@@ -129,10 +131,10 @@ vec3 end_terms() {
     return L;
 }
 
-// A term's luminance, and its red and blue for a luminance of 1.
+// A term's luminance, scaled, and its red and blue for a luminance of 1.
 mat3x4 term_texels(mat3x4 term) {
     vec4 luminance = term * LIGHT_LUMINANCE, one = 1.0 / max(luminance, 1e-20);
-    return mat3x4(luminance, term[0] * one, term[2] * one);
+    return mat3x4(term_scale * luminance, term[0] * one, term[2] * one);
 }
 
 // What both terms of each tangent add, in luminance.

@@ -4,7 +4,7 @@
 #include "seen.glsl"
 #include "inputs/picture/gbuffer.glsl"
 // GROUPS layers each of surface terms' luminance, red, blue, of volume terms', of how far they lean; then how far colours do.
-layout(rgba32f) writeonly uniform image2DArray terms;
+layout(rgba16f) writeonly uniform image2DArray terms;
 
 void store(ivec2 at, int layer, mat3x4 texels) {
     for (int i = 0; i < 3; ++i) imageStore(terms, ivec3(at, layer + i * GROUPS), texels[i]);

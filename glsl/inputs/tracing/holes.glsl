@@ -1,5 +1,5 @@
 // Where the cloth of a grid has holes near by: a map of one repeat of its weave, averaged over what a pixel covers.   [own]
-// Define: HOLES, where this file is included. See glcloth/tracing/holes.py.
+// Define: HOLES, where this file is included. See glcloth/tracing/threads.py.
 #include "woven/sheet.glsl"
 uniform sampler2D hole_map;  // 1 in holes
 uniform float hole_mean;
@@ -10,20 +10,35 @@ uniform vec2 quad_size;      // metres of flat cloth, along a row and down a col
 uniform vec3 seen_from;      // the eye
 uniform vec2 pixel_size;     // metres that a pixel covers: anywhere, and for each metre away
 uniform vec3 shines_from;    // the lamp
+uniform float far_footprint; // metres in a pixel from which on it shows no threads
 
 float pixel_width(vec3 p) { return pixel_size.x + pixel_size.y * distance(p, seen_from); }
 
-// The share of holes about a hit of the cloth, in a square of so many metres that is seen at a slant.
-float hole_at(int triangle, vec2 weights, float width, float slant) {
+// The number of a triangle in its piece of cloth, and which piece that is.
+ivec2 number_in_piece(int triangle) {
     int number = triangle - hole_grid.x, piece = number / hole_pieces.x;
-    number -= piece * hole_pieces.x;
-    int quad = number >> 1;
+    return ivec2(number - piece * hole_pieces.x, piece);
+}
+
+// Where on the flat cloth a hit lies, metres.
+vec2 place_of_hit(int triangle, vec2 weights) {
+    int number = number_in_piece(triangle).x, quad = number >> 1;
     // Corners as passes/accel/gather_grid.comp has them.
     vec2 place = (number & 1) == 0 ? weights.yx : vec2(1.0 - weights.x, weights.x + weights.y);
-    vec2 uv = (vec2(quad % hole_grid.y, quad / hole_grid.y) + place) * quad_size * hole_repeats;
-    vec2 texels = width * inversesqrt(max(abs(slant), 0.1)) * hole_repeats * vec2(textureSize(hole_map, 0));
-    float hole = textureLod(hole_map, uv, log2(max(max(texels.x, texels.y), 1.0))).r;
-    return piece < hole_pieces.y ? hole : hole_mean;
+    return (vec2(quad % hole_grid.y, quad / hole_grid.y) + place) * quad_size;
+}
+
+// How much cloth a square of so many metres covers that is seen at a slant.
+float slanted(float width, float slant) { return width * inversesqrt(max(abs(slant), 0.1)); }
+
+// The share of a pixel's cloth whose threads show.
+float threads_shown(float width) { return clamp(2.5 - 2.5 * width / far_footprint, 0.0, 1.0); }
+
+// The share of holes about a hit of the cloth, in a square of so many metres that is seen at a slant.
+float hole_at(int triangle, vec2 weights, float width, float slant) {
+    vec2 texels = slanted(width, slant) * hole_repeats * vec2(textureSize(hole_map, 0));
+    float hole = textureLod(hole_map, place_of_hit(triangle, weights) * hole_repeats, log2(max(max(texels.x, texels.y), 1.0))).r;
+    return number_in_piece(triangle).y < hole_pieces.y ? hole : hole_mean;
 }
 
 // What covers a place of which `hole` is a hole, over what covers the whole cloth.

@@ -28,6 +28,10 @@ vec3 indirect_on_solid(int triangle, vec3 p, vec3 N_g) {
 // Of a cell and a side, for the azimuth s (-1 to 1).
 vec3 sheet_light(int cell, float s) {
     int k = sheet_texels + 3 * cell + 1;
+#ifdef FABRICS
+    // Of two curtains each has its own.
+    k += 6 * sheet_cells.x * sheet_cells.y * (fabric_first / fabric_stride);
+#endif
     return mix(texelFetch(light_texels, k).rgb, texelFetch(light_texels, s < 0.0 ? k - 1 : k + 1).rgb, abs(s));
 }
 

@@ -18,6 +18,7 @@ const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 // Where pixels show threads: what each tangent adds varies as slowly as cloth from afar, so it is that which is interpolated.
 #include "inputs/methods/threads.glsl"  // that is weave.glsl or printed.glsl
 uniform sampler2DArray terms;  // of passes/picture/shade_terms.frag
+uniform float term_scale;      // of what they hold
 uniform sampler2D far_depth;  // 1 where a pixel shows threads, or is not covered
 uniform vec4 slot_yarn[GROUPS];
 
@@ -55,7 +56,7 @@ vec3 of_threads(ivec2 pixel, bool exact) {
         L[c] += dot(s * color_s[c], seen * strand_s - 1.0) + dot(v * color_v[c], seen * strand_v * near_A - far_A); \
     } }
     EACH_GROUP(ADD_SEEN)
-    return L;
+    return L / term_scale;
 }
 #endif
 

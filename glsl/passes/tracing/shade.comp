@@ -11,7 +11,8 @@
 // transmitted direction from the lobes instead of going straight on. GI, 1: light comes from all around the room instead of
 // `ambient` ("indirect.glsl" finds it), and what cloth lets through is split as in woven/sheet.glsl: T_straight goes on,
 // T_lambert is scattered. HOLES: holes
-// are where the weave has them, instead of everywhere alike. PARTED: keep the kinds of light of these rays apart.
+// are where the weave has them, instead of everywhere alike; WEAVE and its kin: so are threads (inputs/tracing/threads.glsl).
+// PARTED: keep the kinds of light of these rays apart.
 #include "trace/shared.glsl"
 #include "trace/intersect.glsl"
 #include "trace/spread.glsl"
@@ -101,12 +102,23 @@ void main() {
     vec3 omega_o = -d * world_from_surface;
 #ifdef HOLES
     float hole = hole_at(triangle, at, pixel_width(p), omega_o.z), yarns = yarns_at(hole);
+#ifdef WEAVE
+    float covers = fetch_threads(place_of_hit(triangle, at), slanted(pixel_width(p), omega_o.z), threads_shown(pixel_width(p)));
+#else
+    float covers = yarns;
+#endif
 #define THROUGH(k) T_sheet_at(omega_o, k_a, k, tau, rho, hole, hole_mean)
 #else
-    const float yarns = 1.0;
+    const float yarns = 1.0, covers = 1.0;
 #define THROUGH(k) T_sheet(omega_o, k_a, k, tau, rho)
 #endif
-    vec3 direct = weight.rgb * yarns * lamp_light_cloth(world_from_surface, omega_o, l);
+#ifdef WEAVE
+    // What is reflected has the weights of the place already.
+    float lit = l.behind ? covers : 1.0;
+#else
+    float lit = covers;
+#endif
+    vec3 direct = weight.rgb * lit * lamp_light_cloth(world_from_surface, omega_o, l);
 #if GI == 1
     vec3 E, E_behind;
     indirect_on_cloth(triangle, at, p, s.N, E, E_behind);
@@ -123,7 +135,7 @@ void main() {
     vec3 through = THROUGH(k_t);
     const vec3 scattered = vec3(0.0);
 #endif
-    vec3 seen = weight.rgb * yarns * even;
+    vec3 seen = weight.rgb * covers * even;
     vec4 from = vec4(o, behind_layer(t));
     vec3 onward = d;
 #if SPREAD == 1

@@ -1,0 +1,108 @@
+"""Hairs stand out beyond the outline of spun cloth, and nowhere else."""
+
+import numpy as np
+import pytest
+
+from glcloth.color import luminance
+from glcloth.fabric import load_fabric
+from glcloth.geometry.camera import Camera
+from glcloth.geometry.hairs import hairs_in_view, rim_edges, shown_width
+from glcloth.geometry.mesh import build_mesh
+from glcloth.light.lights import Lights, SphericalGaussians
+from glcloth.twins.hair import hair_cover
+
+END = np.array([0.1, 0.0, 0.0])
+EVEN = Lights(SphericalGaussians(np.array([[0.0, 0.0, 1.0]]), np.array([0.0]), np.ones((1, 3))))
+
+
+def sheet():
+    """Its upper rim goes through the origin."""
+    corners = np.array([[-0.1, -0.1, 0], [0.1, -0.1, 0], [0.1, 0, 0], [-0.1, 0, 0]])
+    return build_mesh("sheet", corners, np.array([[0, 1, 2], [0, 2, 3]]), corners[:, :2], None)
+
+
+def half_cylinder(radius=0.02, count=120):
+    turn = np.pi * (np.arange(count) / (count - 1) - 0.5)
+    ring = radius * np.stack([np.zeros(count), np.cos(turn), np.sin(turn)], 1)
+    positions = np.concatenate([ring - END, ring + END])
+    i, j = np.arange(count - 1), np.arange(1, count)
+    triangles = np.concatenate([np.stack([i, j, i + count], 1), np.stack([j, j + count, i + count], 1)])
+    uv = np.concatenate([np.stack([np.full(count, x), radius * turn], 1) for x in (0.0, 0.2)])
+    return build_mesh("half a cylinder", positions, triangles, uv, None)
+
+
+def camera(width, aspect=4 / 3, target=(0.0, 0.0, 0.0)):
+    return Camera(
+        (target[0], target[1], 0.4), target, (0.0, 1.0, 0.0), float(2 * np.degrees(np.arctan(width / aspect / 0.8)))
+    )
+
+
+LOOK = {"lights": EVEN, "size": (200, 150), "shadows": "off", "background": False}
+
+
+def fuzzy(fuzz, name="flannel"):
+    fabric = load_fabric(name)
+    return fabric.changed(weave=fabric.weave.changed(fuzz=fuzz, relief=0.0))
+
+
+@pytest.mark.parametrize("width", [0.3, 2.0, 9.0])
+def test_a_hair_covers_what_it_is_wide(width):
+    x = np.linspace(-9, 9, 20_001)
+    assert np.isclose(hair_cover(x, width).sum() * (x[1] - x[0]), width, rtol=1e-3)
+    number = np.random.default_rng(1).random(200_000)
+    for pixel in (1e-5, 6e-5, 4e-4):
+        drawn = shown_width(np.full(len(number), pixel), 2e-5, number)
+        assert np.isclose(drawn.mean(), 1.0, atol=0.02)
+
+
+def test_hairs_stay_where_they_are():
+    mesh = half_cylinder()
+    rim = rim_edges(mesh)
+    assert len(rim) == 2 * 119 + 2
+
+    def found(eye):
+        hairs = hairs_in_view(
+            mesh, rim, 1.0, Camera(eye, (0, 0.02, 0), (0, 1, 0), 4.0), (200, 150), 9e6, 1e-3, 2e-5, 1e-3
+        )
+        rows = np.column_stack([hairs.triangle, hairs.weights, hairs.random[:, :6]])
+        return {tuple(row) for row in np.round(rows, 9)}, hairs
+
+    (here, hairs), (there, _) = found((0.0, 0.02, 0.3)), found((0.0, 0.024, 0.3))
+    assert len(here & there) > 0.7 * len(here) > 300
+    assert (hairs.side == 0).all()  # the inside is not seen
+
+
+def test_hairs_stand_out_and_the_cloth_stays(renderer):
+    with_hairs, without = (
+        renderer.render(mesh=sheet(), fabric=fuzzy(fuzz), camera=camera(0.03), **LOOK) for fuzz in (12.0, 0.0)
+    )
+    beyond, rim, within = slice(0, 74), slice(76, 110), slice(110, 150)
+    assert without[beyond, :, 3].max() == 0.0 and 0.002 < with_hairs[50:74, :, 3].mean() < 0.2
+    assert with_hairs[beyond, :, 3].max() <= 1.0 and np.allclose(with_hairs[76:, :, 3], 1.0, atol=1e-5)
+    assert np.array_equal(with_hairs[within], without[within])
+    assert not np.array_equal(with_hairs[rim], without[rim])
+    assert np.isclose(with_hairs[rim].mean(), without[rim].mean(), rtol=0.01)
+    # Before the cloth hairs make it lighter or darker, and mix no colour of theirs into it.
+    lighter = with_hairs[rim, :, :3].astype(float) / without[rim, :, :3]
+    assert np.ptp(lighter, axis=-1).max() < 1e-4
+    hair = with_hairs[beyond, :, :3].sum((0, 1)) / with_hairs[beyond, :, 3].sum()
+    assert 0.6 < luminance(hair) / luminance(without[within, :, :3].mean((0, 1))) < 1.4
+
+
+def test_no_hairs_from_afar_nor_before_objects_that_hide_them(renderer):
+    far = [renderer.render(mesh=sheet(), fabric=fuzzy(fuzz), camera=camera(0.6), **LOOK) for fuzz in (12.0, 0.0)]
+    assert np.array_equal(*far)
+    # A cloth in front of the rim hides its hairs.
+    front = build_mesh(
+        "front", np.array([[-0.1, -0.1, 0.02], [0.1, -0.1, 0.02], [0.1, 0.1, 0.02], [-0.1, 0.1, 0.02]]),
+        np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0.0, 0], [0.2, 0], [0.2, 0.2], [0, 0.2]]), None,
+    )  # fmt: skip
+    from glcloth.picture.frame import Cloth
+
+    hidden = [
+        renderer.render(
+            cloths=[Cloth(sheet(), fuzzy(fuzz)), Cloth(front, load_fabric("velvet"))], camera=camera(0.012), **LOOK
+        )
+        for fuzz in (12.0, 0.0)
+    ]
+    assert np.array_equal(*hidden)
