@@ -151,7 +151,10 @@ def make_bsdf():
             return dr.select(lit, total / dr.select(Q > 0.0, Q, 1.0), 0.0)
 
         def pdf(self, ctx, si, wo, active=True):
-            """Density of `sample` per solid angle."""
+            """Density of the samples that count per solid angle: where the cloth is black none does."""
+            seen = mi.Bool(False)
+            for t in self.tangents:
+                seen |= (t.local(wo)[2] > 0.0) & (t.local(si.wi)[2] > 0.0)
             lobes, total = self.lobes(si.wi)
             sum_of_lobes = mi.Float(0.0)
             for lobe in lobes:
@@ -159,7 +162,7 @@ def make_bsdf():
             cosine = dr.maximum(wo.z, 0.0) / math.pi
             share = dr.select(total > 0.0, COSINE, 1.0)
             value = share * cosine + (1.0 - share) * sum_of_lobes / dr.select(total > 0.0, total, 1.0)
-            return dr.select((si.wi.z > 0.0) & (wo.z > 0.0) & active, value, 0.0)
+            return dr.select((si.wi.z > 0.0) & (wo.z > 0.0) & seen & active, value, 0.0)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             """A direction of a lobe, or of the cosine."""
