@@ -28,6 +28,7 @@ CLEAR = (
     9.0,
 )  # hair lengths before the cloth, from which on a hair shows, and shows whole: from straight above to 80
 # degrees none does, on cloth that is flat
+ONE_MINUS_SRC1_COLOR = 0x88FA  # of OpenGL: 1 - the second output of a fragment
 SOFTEST = 0.25  # of hair_horizon, at least: hairs stand above the plane at their root
 
 
@@ -113,8 +114,10 @@ class Fuzz:
         target.use()
         target.viewport = (0, 0, width, height)
         self.ctx.enable_only(moderngl.BLEND)
-        self.ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self.ctx.blend_func = moderngl.ONE, ONE_MINUS_SRC1_COLOR
         program.screen.render(moderngl.TRIANGLE_STRIP, vertices=2 * (SEGMENTS + 1), instances=len(hairs))
+        # Mesa refuses to draw into several pictures while this is set, even where nothing is blended.
+        self.ctx.blend_func = moderngl.ONE, moderngl.ZERO
         self.ctx.enable_only(moderngl.NOTHING)
         self.ctx.detect_framebuffer(0).use()
         target.release()
