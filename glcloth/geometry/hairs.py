@@ -66,8 +66,9 @@ def hairs_in_view(
 ) -> Hairs:
     """The hairs that may stand out beyond the outline of a cloth.
 
-    rim : [N, 2, 3] where it ends, as its `rim_edges`. metres : of a UV unit. density : hairs in a square metre. length, diameter : metres.
-    far : metres of cloth in a pixel from which on there are none. closed : whether there is cloth at UVs [N, 2], None: everywhere.
+    rim : [N, 2, 3] where it ends, as its `rim_edges`. metres : of a UV unit. density : hairs in a square metre.
+    length, diameter : metres. far : metres of cloth in a pixel from which on there are none.
+    closed : whether there is cloth at UVs [N, 2], None: everywhere.
     """
     view = _View(mesh, camera, size, length)
     inside = np.flatnonzero(view.inside & (view.pixel[mesh.triangles].min(1) < far))
