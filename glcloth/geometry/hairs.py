@@ -6,6 +6,7 @@ stays where it is whatever the camera does. Only hairs near an outline of the cl
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,10 @@ REACH = 4.0  # hair lengths from an outline on which the surface turns away: so 
 RIM_REACH = 1.2  # from a rim, where it ends
 MOST = 60_000  # hairs of a picture; where there would be more, fewer and wider ones stand for them
 MOST_POINTS = 40_000  # of outlines
+MOST_CELLS = (
+    1 << 24
+)  # of a lattice that are looked through: where UVs are so large that there were more, hairs are fewer
+CELLS_AT_A_TIME = 1 << 20
 FINEST = 2.5  # hairs have at least so much of a pixel's width as 1 / FINEST: thinner ones are fewer and wider instead
 FADE = 0.25  # of the hairs' numbers, over which those that are left out fade
 RANDOM = 8  # numbers a hair
@@ -57,15 +62,17 @@ def hairs_in_view(
     length: float,
     diameter: float,
     far: float,
+    closed: Callable[[np.ndarray], np.ndarray] | None = None,
 ) -> Hairs:
     """The hairs that may stand out beyond the outline of a cloth.
 
-    rim : its `rim_edges`. metres : of a UV unit. density : hairs in a square metre. length, diameter : metres.
-    far : metres of cloth in a pixel from which on there are none.
+    rim : [N, 2, 3] where it ends, as its `rim_edges`. metres : of a UV unit. density : hairs in a square metre.
+    length, diameter : metres. far : metres of cloth in a pixel from which on there are none.
+    closed : whether there is cloth at UVs [N, 2], None: everywhere.
     """
     view = _View(mesh, camera, size, length)
     inside = np.flatnonzero(view.inside & (view.pixel[mesh.triangles].min(1) < far))
-    (outlines, sides), rims = _outlines(mesh, view, inside, length), _rims(mesh, rim, view, far, length)
+    (outlines, sides), rims = _outlines(mesh, view, inside, length), _rims(rim, view, far, length)
     near = [
         _Near(points, reach * length, side)
         for points, reach, side in ((outlines, REACH, sides), (rims, RIM_REACH, None))
@@ -79,6 +86,9 @@ def hairs_in_view(
     closeness, shows = _closeness(near, place)
     width = shown_width(view.pixel_at(place), diameter, random[:, 7])
     width *= np.clip(2.5 - 2.5 * view.pixel_at(place) / far, 0.0, 1.0)
+    if closed is not None:
+        assert mesh.uv is not None
+        width = np.where(closed(_at(mesh.uv[mesh.triangles[triangle]].astype(float), weights)), width, 0.0)
     long = np.clip(4.0 * closeness, 0.0, 1.0) * (0.15 + 0.85 * random[:, 6] ** 2)
     root, side = np.nonzero(shows & ((width > 0.0) & (closeness > 0.0))[:, None])
     return Hairs(*(a[root] for a in (triangle, weights, random, width, long)), side)
@@ -146,7 +156,7 @@ class _View:
     def _pixels(self, depth: np.ndarray) -> np.ndarray:
         """Metres across a pixel that faces the camera."""
         if self.camera.ortho is not None:
-            return np.full(len(depth), self.camera.ortho / self.size[1])
+            return np.full(np.shape(depth), self.camera.ortho / self.size[1])
         return 2.0 * np.tan(np.radians(self.camera.fov_deg) / 2) / self.size[1] * np.maximum(depth, 1e-6)
 
     def pixel_at(self, place: np.ndarray) -> np.ndarray:
@@ -193,10 +203,10 @@ def _seen_side(f: np.ndarray, p: np.ndarray, view: _View) -> np.ndarray:
     return np.where((slope * away).sum(1) > 0.0, 0, 1)
 
 
-def _rims(mesh: Mesh, edges: np.ndarray, view: _View, far: float, length: float) -> np.ndarray:
-    """Points [N, 3] where the cloth ends."""
-    near = view.pixel[edges].min(1) < far
-    return _along(mesh.positions[edges[near]].astype(float), 0.5 * length, view, RIM_REACH * length)[0]
+def _rims(edges: np.ndarray, view: _View, far: float, length: float) -> np.ndarray:
+    """Points [N, 3] where the cloth ends, on edges [N, 2, 3]."""
+    near = view.pixel_at(edges).min(1, initial=np.inf) < far
+    return _along(edges[near].astype(float), 0.5 * length, view, RIM_REACH * length)[0]
 
 
 def rim_edges(mesh: Mesh) -> np.ndarray:
@@ -274,14 +284,27 @@ def _roots(
     `most`."""
     assert mesh.uv is not None
     number, weights = pieces
-    side = 1.0 / np.sqrt(density)
-    uv = metres / side * mesh.uv[mesh.triangles[number]].astype(float)  # in cells
+    uv = metres * np.sqrt(density) * mesh.uv[mesh.triangles[number]].astype(float)  # in cells
     corners = _at(np.repeat(uv, 3, axis=0), weights.reshape(-1, 2)).reshape(-1, 3, 2)
+    cells = (corners.max(1) - corners.min(1) + 1.0).prod(1)  # about
+    keep = (cells < CELLS_AT_A_TIME) & (np.abs(corners).max((1, 2)) < 2.0**52)  # others are UVs gone wild
+    number, weights, corners, cells = (a[keep] for a in (number, weights, corners, cells))
+    corners *= np.sqrt(min(1.0, MOST_CELLS / max(float(cells.sum()), 1.0)))
+    found = [
+        _in_cells(number[some], weights[some], corners[some], most)
+        for some in np.split(np.arange(len(number)), np.flatnonzero(np.diff(np.cumsum(cells) // CELLS_AT_A_TIME)) + 1)
+    ]
+    triangle, own, random = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return triangle, own, random
+
+
+def _in_cells(
+    number: np.ndarray, weights: np.ndarray, corners: np.ndarray, most: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As `_roots`, of some pieces; `corners` [N, 3, 2] in cells."""
     low = np.floor(corners.min(1)).astype(np.int64)
     count = np.floor(corners.max(1)).astype(np.int64) - low + 1
     cells = count.prod(1)
-    keep = cells < 1_000_000  # UVs gone wild
-    low, count, cells, number, corners, weights = (a[keep] for a in (low, count, cells, number, corners, weights))
     which = np.repeat(np.arange(len(number)), cells)
     order = _within(cells)
     cell = low[which] + np.stack([order % count[which, 0], order // count[which, 0]], 1)

@@ -46,6 +46,7 @@ class ClothSurface(Surface):
     method: Method
     transmission: Transmission | None = None
     mask_number = 0  # which fabric of a mask it is; 0: that of its part
+    _worn: tuple[Cloth, float]  # what was taken last, and its UV unit in the unit of its opacity map
 
     def __init__(self, ctx: moderngl.Context):
         super().__init__(ctx, FLAT)
@@ -88,6 +89,7 @@ class ClothSurface(Surface):
         self._narrowest = float(np.radians(min(min(yarn.gamma_s_deg, yarn.gamma_v_deg) for yarn in yarns)))
         mesh = self.original
         drawn = self._finer.get(lambda: subdivided(mesh), mesh) if finer else mesh
+        self._worn = cloth, scale
         self._place(lambda: self._uploaded(drawn, mesh, cloth, scale), drawn, cloth.opacity, scale, cloth.mask)
         self._take_transmission(cloth.fabric, frame)
         self.threads.prepare(fabric, self.buffers, frame, self._print)
@@ -222,7 +224,7 @@ class ClothSurface(Surface):
         weave = self._fabric.weave
         if not self.threads.woven or weave is None or not weave.fuzz or frame.camera.aperture:
             return None
-        return self.fuzz.hairs(self._fabric, buffer, self.threads.in_metres, self.threads.far, frame) or None
+        return self.fuzz.hairs(*self._worn, buffer, self.threads.in_metres, self.threads.far, frame) or None
 
     def draw_hairs(self, hairs: Hairs, buffer: GBuffer, nearest: moderngl.Texture, frame: Frame) -> None:
         """Draw them over the finished picture; `nearest`: the depth of all that is in it."""

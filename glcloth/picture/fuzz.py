@@ -17,7 +17,8 @@ from ..gpu.programs import programs
 from ..light.lights import Lights
 from ..twins.scatter import f_s
 from ..visibility.pixels import PixelVisibility
-from .frame import Frame
+from .frame import Cloth, Frame
+from .prints import texel_means
 
 DIAMETER = 20e-6  # metres, of a hair: between cotton (12 to 20 micrometres) and wool (18 to 40)
 SEGMENTS = 5  # of a hair
@@ -28,6 +29,7 @@ CLEAR = (
     9.0,
 )  # hair lengths before the cloth, from which on a hair shows, and shows whole: from straight above to 80
 # degrees none does, on cloth that is flat
+ONE_MINUS_SRC1_COLOR = 0x88FA  # of OpenGL: 1 - the second output of a fragment
 SOFTEST = 0.25  # of hair_horizon, at least: hairs stand above the plane at their root
 
 
@@ -47,15 +49,24 @@ class Fuzz:
         self._nodes = TextureBuffer(ctx, 16)
         self._no_means = TextureBuffer(ctx, 16, "r32ui")
 
-    def hairs(self, fabric: Fabric, buffer: GBuffer, metres: float, far: float, frame: Frame) -> Hairs:
-        """Those that may show in a G-buffer as it is drawn."""
-        assert buffer.drawn is not None and fabric.weave is not None
-        mesh, weave = buffer.drawn.mesh.mesh, fabric.weave
-        rim = self._rim.get(lambda: rim_edges(mesh), mesh.triangles)
+    def hairs(self, cloth: Cloth, scale: float, buffer: GBuffer, metres: float, far: float, frame: Frame) -> Hairs:
+        """Those that may show in a G-buffer as it is drawn; `scale`: of a UV unit in the unit of the opacity map."""
+        assert buffer.drawn is not None and cloth.fabric.weave is not None
+        mesh, weave = buffer.drawn.mesh.mesh, cloth.fabric.weave
+        whole = mesh if cloth.mask is None else cloth.mask.whole  # where a mask parts cloth, it does not end
+        edges = self._rim.get(lambda: rim_edges(whole), whole.triangles)
         measures = 1e6 * weave.fuzz, 1e-3 * weave.fuzz_length, DIAMETER, far
         return self._hairs.get(
-            lambda: hairs_in_view(mesh, rim, metres, frame.camera, buffer.size, *measures),
-            *(mesh, metres, frame.camera, buffer.size, measures),
+            lambda: hairs_in_view(
+                mesh,
+                whole.positions[edges],
+                metres,
+                frame.camera,
+                buffer.size,
+                *measures,
+                lambda uv: _closed(cloth, scale, uv),
+            ),
+            *(mesh, metres, frame.camera, buffer.size, measures, cloth.opacity, scale, cloth.mask),
         )
 
     @property
@@ -113,8 +124,10 @@ class Fuzz:
         target.use()
         target.viewport = (0, 0, width, height)
         self.ctx.enable_only(moderngl.BLEND)
-        self.ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        self.ctx.blend_func = moderngl.ONE, ONE_MINUS_SRC1_COLOR
         program.screen.render(moderngl.TRIANGLE_STRIP, vertices=2 * (SEGMENTS + 1), instances=len(hairs))
+        # Mesa refuses to draw into several pictures while this is set, even where nothing is blended.
+        self.ctx.blend_func = moderngl.ONE, moderngl.ZERO
         self.ctx.enable_only(moderngl.NOTHING)
         self.ctx.detect_framebuffer(0).use()
         target.release()
@@ -149,6 +162,16 @@ class Fuzz:
             "gaussian_count": float(len(lights.gaussians)),
             "warp_share": areas[0] / max(sum(areas), 1e-9),
         }
+
+
+def _closed(cloth: Cloth, scale: float, uv: np.ndarray) -> np.ndarray:
+    """Whether a cloth is at UVs [N, 2], and is not cut out nor of another fabric."""
+    here = np.ones(len(uv), bool)
+    if cloth.opacity is not None:
+        here &= texel_means(cloth.opacity.shares, uv * (scale / np.array(cloth.opacity.repeat)))[:, 0] >= 0.5
+    if cloth.mask is not None:
+        here &= cloth.mask.shown_at(uv)
+    return here
 
 
 def _optics(fabric: Fabric, j: int) -> tuple[float, float, float, float]:

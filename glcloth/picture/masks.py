@@ -125,6 +125,10 @@ class Masked:
         """The number of a place [2] of the whole mesh."""
         return int(_numbers_at(self.numbers, uv / np.array(self.repeat)))
 
+    def shown_at(self, uv: np.ndarray) -> np.ndarray:
+        """Whether places [N, 2] have its number."""
+        return _numbers_at(self.numbers, uv / np.array(self.repeat)) == self.number
+
     def mostly(self, mesh: Mesh) -> np.ndarray:
         """The triangles [T] that show this number more than any other, a smaller one at a draw: each hides light once."""
         found = np.sort(_numbers_at(self.numbers, _places(mesh, PLACES) / self.repeat), 0)

@@ -109,7 +109,7 @@ def _mask(pieces: Sequence[Cloth]) -> Mask | None:
         return None
     of_number = {piece.mask.number: piece.fabric for piece in pieces if piece.mask is not None}
     own = pieces[0].fabric
-    fabrics = tuple(of_number.get(number, own) for number in range(1, max(of_number) + 1))
+    fabrics = tuple(of_number.get(number, own) for number in range(1, int(mask.numbers.max()) + 1))
     return Mask(mask.numbers, (1.0 / mask.repeat[0], 1.0 / mask.repeat[1]), fabrics)
 
 

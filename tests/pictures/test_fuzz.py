@@ -2,9 +2,11 @@
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from glcloth.color import luminance
 from glcloth.fabric import load_fabric
+from glcloth.geometry import hairs
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.hairs import hairs_in_view, rim_edges, shown_width
 from glcloth.geometry.mesh import build_mesh
@@ -62,7 +64,7 @@ def test_hairs_stay_where_they_are():
 
     def found(eye):
         hairs = hairs_in_view(
-            mesh, rim, 1.0, Camera(eye, (0, 0.02, 0), (0, 1, 0), 4.0), (200, 150), 9e6, 1e-3, 2e-5, 1e-3
+            mesh, mesh.positions[rim], 1.0, Camera(eye, (0, 0.02, 0), (0, 1, 0), 4.0), (200, 150), 9e6, 1e-3, 2e-5, 1e-3
         )
         rows = np.column_stack([hairs.triangle, hairs.weights, hairs.random[:, :6]])
         return {tuple(row) for row in np.round(rows, 9)}, hairs
@@ -106,3 +108,48 @@ def test_no_hairs_from_afar_nor_before_objects_that_hide_them(renderer):
         for fuzz in (12.0, 0.0)
     ]
     assert np.array_equal(*hidden)
+
+
+def test_hairs_leave_the_cover_of_a_pixel_alone(renderer):
+    """Where cloth covers a part of a pixel, they once took alpha from it, and made its colour too bright."""
+    look = {**LOOK, "mesh": sheet(), "camera": camera(0.03, target=(0.0, 12e-5, 0.0)), "spp": 16}
+    with_hairs, without = (renderer.render(fabric=fuzzy(fuzz), **look) for fuzz in (60.0, 0.0))
+    edge = (without[..., 3] > 0.0) & (without[..., 3] < 1.0)
+    assert edge.any() and (with_hairs[..., 3] >= without[..., 3] - 1e-6).all()
+    colors = [picture[edge, :3] / picture[edge, 3:] for picture in (with_hairs, without)]
+    assert colors[0].max() < 1.35 * colors[1].max()
+
+
+def test_no_hairs_where_cloth_is_cut_out_or_of_another_fabric(renderer, tmp_path):
+    """The mask's border is across the picture; above it cloth is cut out, and its rim is there."""
+    file = str(tmp_path / "half.png")
+    codes = np.zeros((2, 1, 3), np.uint8)
+    codes[0] = 255
+    Image.fromarray(codes).save(file)
+    x, y = np.meshgrid(np.linspace(-0.1, 0.1, 41), np.linspace(-0.1, 0.0, 21))
+    at = np.arange(x.size).reshape(x.shape)[:-1, :-1].ravel()
+    triangles = np.concatenate([at[:, None] + [0, 1, 42], at[:, None] + [0, 42, 41]])
+    mesh = build_mesh("grid", np.stack([x, y, 0 * x], -1).reshape(-1, 3), triangles,
+                      np.stack([10 * x + 1, 10 * y + 1], -1).reshape(-1, 2), None)  # fmt: skip
+    look = {**LOOK, "mesh": mesh, "uv_scale": 0.1, "camera": camera(0.03, target=(0.0, -0.05, 0.0))}
+    masked = {"fabric": "velvet", "fabric_mask": file}
+    both = [renderer.render(**masked, fabrics={"#000000": fuzzy(fuzz)}, **look) for fuzz in (12.0, 0.0)]
+    assert np.array_equal(*both)
+    look["camera"] = camera(0.03)
+    codes = 255 - codes
+    Image.fromarray(codes).save(file)
+    cut = [renderer.render(fabric=fuzzy(fuzz), opacity=file, **look) for fuzz in (12.0, 0.0)]
+    assert np.array_equal(*cut)
+
+
+@pytest.mark.parametrize("ortho", [None, 0.03])
+def test_uvs_that_are_far_too_large_take_no_more_memory(monkeypatch, ortho):
+    cells = []
+    monkeypatch.setattr(hairs, "MOST_CELLS", 1 << 17)
+    monkeypatch.setattr(hairs, "_bits", lambda cell, own=hairs._bits: cells.append(len(cell)) or own(cell))
+    mesh = half_cylinder()
+    view = Camera((0, 0.02, 0.3), (0, 0.02, 0), (0, 1, 0), 4.0, ortho=ortho)
+    for metres in (1.0, 30.0, 1e30):
+        cells.clear()
+        hairs_in_view(mesh, mesh.positions[rim_edges(mesh)], metres, view, (200, 150), 9e6, 1e-3, 2e-5, 1e-3)
+        assert sum(cells) < 1 << 19

@@ -1,7 +1,7 @@
 #version 430
 // A hair where it stands out beyond the cloth's outline. Right before the cloth it is part of what the cloth reflects: there it
 // only makes it lighter or darker, by a factor of mean 1.   [own]
-// The picture becomes color.rgb + (1 - color.a) times what it was.
+// The picture becomes color + (1 - hidden) times what it was.
 #include "fibre/hair.glsl"
 uniform sampler2D nearest;   // depth of all that is drawn
 uniform sampler2D own_depth; // of the cloth
@@ -15,7 +15,8 @@ in float across;
 in float wide;
 flat in float lighter;
 const float OUTSIDE = 0.35, INSIDE = 0.3;  // how much lighter or darker hairs are
-layout(location = 0) out vec4 color;
+layout(location = 0, index = 0) out vec4 color;
+layout(location = 0, index = 1) out vec4 hidden;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -30,5 +31,7 @@ void main() {
         within = (1.0 - clear) * share;
         share *= clear;
     }
-    color = vec4((1.0 + OUTSIDE * lighter) * share * radiance, share - INSIDE * lighter * within);
+    color = vec4((1.0 + OUTSIDE * lighter) * share * radiance, share);
+    // Where the cloth covers a part of the pixel, lighter cloth covers no other part.
+    hidden = vec4(vec3(share - INSIDE * lighter * within), share);
 }

@@ -200,7 +200,7 @@ void main() {
         int k = LIGHT_PARTS * i;
         kinds[k + DIRECT] = vec4(0.0);
 #if CLOTH == 1
-        vec3 behind = weight.rgb * yarns * scattered;
+        vec3 behind = weight.rgb * covers * scattered;
         kinds[k + BOUNCE] = vec4(seen - behind, 0.0);
         kinds[k + THROUGH] = vec4(behind, 0.0);
         kinds[k + BEYOND] = vec4(0.0);
