@@ -114,11 +114,13 @@ def test_who_else_looks_at_the_tree_of_a_frame_finds_it_whole(ctx, curtain, monk
 
     for look in (tree.arrays, lambda: curtain.tracer.confirm("kdtree")):
         small()
+        before = curtain.tracer.remade
         steps = curtain.steps(SIZE, 1, lambda: 1 << 20)
         next(steps)
         look()
         assert tree.unread is None
         assert drawn_by(steps, curtain).tobytes() == expected.tobytes()
+        assert curtain.tracer.remade == before + 1
     # Radiosity and photons are found through it.
     for gi in ("radiosity", "photons"):
         small()
