@@ -15,6 +15,7 @@ from .files import atomic_write, cache_dir
 
 MOST_BYTES = 1 << 29  # of a folder whose files are counted
 
+
 def kept_path(folder: str, *parts: object) -> Path:
     """The file, in a folder of the cache, of an array that depends on these parts: arrays by their bytes, all else by `repr`."""
     key = hashlib.blake2b(digest_size=16)
