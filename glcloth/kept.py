@@ -13,6 +13,8 @@ import numpy as np
 from .errors import InputError
 from .files import atomic_write, cache_dir
 
+MOST_BYTES = 1 << 29  # of a folder whose files are counted
+
 
 def kept_path(folder: str, *parts: object) -> Path:
     """The file, in a folder of the cache, of an array that depends on these parts: arrays by their bytes, all else by `repr`."""
@@ -54,16 +56,22 @@ def keep_words(path: Path, arrays: Sequence[np.ndarray], most: int | None = None
 
 
 def keep(path: Path, array: np.ndarray, most: int | None = None) -> None:
-    """Write an array, where one can be written; of more than `most` files beside it the oldest go."""
+    """Write an array, where one can be written, of MOST_BYTES / 2 at most; of more than `most` files beside it, or MOST_BYTES in
+    all, the oldest go."""
     _write(path, {"array": array}, most)
 
 
 def _write(path: Path, arrays: dict[str, np.ndarray], most: int | None) -> None:
+    if sum(array.nbytes for array in arrays.values()) > MOST_BYTES // 2:
+        return
     with suppress(InputError, OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         with atomic_write(path) as temporary, open(temporary, "wb") as file:
             np.savez(file, **arrays)  # type: ignore[arg-type]
         if most is not None:
-            files = sorted(path.parent.glob("*.npz"), key=lambda other: other.stat().st_mtime)
-            for old in files[: max(len(files) - most, 0)]:
-                old.unlink()
+            files = [(one, one.stat()) for one in path.parent.glob("[!.]*.npz")]  # not those that others are writing
+            left, room = most, MOST_BYTES
+            for one, stat in sorted(files, key=lambda file: file[1].st_mtime, reverse=True):
+                left, room = left - 1, room - stat.st_size
+                if left < 0 or room < 0:
+                    one.unlink()

@@ -23,6 +23,21 @@ class Wrong:
         return {"number": number}
 
 
+class Surroundings(Wrong):
+    """What a process has around it."""
+
+    def __init__(self):
+        super().__init__(None)
+
+    def pictures(self, numbers):
+        for _ in numbers:
+            yield None
+
+    def write(self, number, picture):
+        deaf = signal.getsignal(signal.SIGINT) == signal.SIG_IGN
+        return {"cache": os.environ.get("GLCLOTH_CACHE"), "deaf": deaf}
+
+
 class Fake:
     """A job of numbers in files; its first process dies at some of them, with half a picture on the disk."""
 

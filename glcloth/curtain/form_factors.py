@@ -21,7 +21,7 @@ from ..kept import keep, kept_path, read_kept
 from ..twins.random import cosine_direction
 from .charts import Charts, make_charts
 
-FORMAT = 1  # of the files
+FORMAT, MOST_FILES = 1, 16  # of the files
 PROXIES = (12, 8)  # the curtain as a flat sheet: so many cells across and down
 AZIMUTHS_DEG = (-55.0, 0.0, 55.0)  # of the sheet's normals: folds hang, so that these are all they turn to
 OPENING = 0.4  # m, the side of a cell of an opening
@@ -203,7 +203,7 @@ def factor_steps(
         for factors in _compute(ctx, charts, openings, structure, sheet, 1e-4 * float((high - low).max())):
             if isinstance(factors, float):
                 yield factors
-        keep(path, factors)
+        keep(path, factors, MOST_FILES)
     yield FormFactors(charts, sheet, openings, factors)
 
 

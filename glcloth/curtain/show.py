@@ -337,6 +337,7 @@ class CurtainShow:
             return dataclasses.replace(split, indirect_source=SOURCE, renewed=self._renewed(split, photons))
         for _ in self.radiosity.prepare():
             pass
+        self.tracer.confirm(shot.settings.accelerator)  # which a scene without this light may have left unread
         structure, first = self.tracer.structure(shot.settings.accelerator), len(self.room.positions)
         return dataclasses.replace(
             split, indirect=self.radiosity.light(split, self.tracer.inputs(split), structure, first)
@@ -357,6 +358,7 @@ class CurtainShow:
         for _ in self.building(PHOTON_STRUCTURE if name == "brute" else name):
             pass
         structure = self.tracer.structure(PHOTON_STRUCTURE if name == "brute" else name)
+        self.tracer.confirm(PHOTON_STRUCTURE if name == "brute" else name)
 
         def of_sample(sample: int) -> Iterator[Mapping[str, Any]]:
             self._lit_frame = -1

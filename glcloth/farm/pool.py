@@ -18,7 +18,8 @@ import sys
 import threading
 import traceback
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from pathlib import Path
 from typing import Any, Protocol
@@ -84,9 +85,12 @@ class _Crew:
         context = multiprocessing.get_context("forkserver")
         context.set_forkserver_preload(LOADED)
         ours, theirs = context.Pipe()
-        process = context.Process(target=_work, args=(theirs, self.job, self.threads), daemon=True)
+        # The one that forks has the surroundings of its own start, not those of now.
+        arguments = theirs, self.job, self.threads, dict(os.environ)
+        process = context.Process(target=_work, args=arguments, daemon=True)
         with _deaf():
-            process.start()
+            forkserver.ensure_running()
+        process.start()  # waits until that one has loaded glcloth, and Ctrl-C is heard
         theirs.close()
         self.hands[ours] = process, None
         self.give(ours)
@@ -182,9 +186,12 @@ class _Told(io.TextIOBase):
         return len(text)
 
 
-def _work(pipe: Connection, job: Job, threads: int) -> None:
+def _work(pipe: Connection, job: Job, threads: int, environment: Mapping[str, str]) -> None:
     """Make pictures until no number comes, on so many threads of Mesa's and of the algebra's."""
     sys.stderr = _Told(pipe)
+    for name in os.environ.keys() - environment.keys():
+        del os.environ[name]
+    os.environ.update(environment)
     os.environ.setdefault("LP_NUM_THREADS", str(threads))
     feed = _Feed(pipe)
     try:

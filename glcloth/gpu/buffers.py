@@ -38,10 +38,12 @@ class Buffer:
 
     def __init__(self, ctx: moderngl.Context, data: Any):
         self.ctx = ctx
+        self.written = 0  # bytes up to the end of the last write by the CPU; what is behind may be older
         if isinstance(data, int):
             self.buffer = ctx.buffer(reserve=max(data, self.least), dynamic=True)
         else:
             self.buffer = ctx.buffer(_bytes(data) or bytes(self.least), dynamic=True)
+            self.written = len(_bytes(data))
 
     def _attach(self) -> None:
         """Tell what hangs on `buffer` that it is another one."""
@@ -58,6 +60,7 @@ class Buffer:
             self.reserve(offset + len(raw))
         if raw:
             self.buffer.write(raw, offset=offset)
+        self.written = offset + len(raw)
 
     def reserve(self, size: int) -> None:
         """Make room for at least `size` bytes; the content is undefined after it grew."""

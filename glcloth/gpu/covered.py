@@ -16,7 +16,9 @@ from .screen import draw_screen
 Way = Literal["fragment", "compute"]
 GROUPS_OF_A_ROW = 16  # as passes/picture/covered_list.comp has it
 EMPTY = np.array([GROUPS_OF_A_ROW, 0, 1, 0], "u4")
-MOST_PIXELS = 1 << 25  # that are listed at a time, in rows of work groups of which a device takes 65,535 at least
+# That are listed at a time: a block of storage may have no more than 128 MB on some devices, and a dispatch no more than 65,535
+# rows of work groups.
+MOST_PIXELS = 1 << 24
 
 
 def shading(ctx: moderngl.Context, what: str, defines: Inputs, virtual: Mapping[str, str], way: Way) -> Draw | Compute:

@@ -14,7 +14,7 @@ from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer
 from ..gpu.memo import Last
 from ..gpu.programs import programs
-from ..light.lights import Lights
+from ..light.lights import Lights, Suns
 from ..twins.scatter import f_s
 from ..visibility.pixels import PixelVisibility
 from .frame import Cloth, Frame
@@ -134,6 +134,8 @@ class Fuzz:
 
     def _light(self, fabric: Fabric, albedo: np.ndarray, lights: Lights, view_from_world: np.ndarray) -> dict[str, Any]:
         """What passes/picture/fuzz.vert reads of the lights, and its table."""
+        if not len(lights.gaussians) + len(lights.suns):  # the shader takes one at least
+            lights = Lights(lights.gaussians, Suns(np.array([[0.0, 1.0, 0.0]]), np.zeros((1, 3))))
         axes, soft, flux, nodes = _light_nodes(lights)
         self._nodes.write(np.pad(nodes.reshape(-1, 3) @ view_from_world.T, ((0, 0), (0, 1))).astype("f4"))
         records = np.zeros((len(axes), 2, 4), "f4")

@@ -11,6 +11,7 @@ import moderngl
 import numpy as np
 
 from .. import __version__
+from ..errors import ShaderError
 from ..gpu.buffers import read_texture
 from ..gpu.context_local import of_context
 from ..gpu.covered import Way
@@ -27,6 +28,7 @@ BAND_MS = 5.0  # what a band of the picture takes that is measured,
 ROUNDS = 5  # so often by each way
 GAIN = 0.9  # of the fragments' time: compute must take less, so that noise chooses nothing
 ALIKE = 1e-3  # relative: where the two differ by more, one of them is wrong, and it is not chosen
+NEVER = 1e9  # milliseconds of a way that a driver does not compile
 TRIES = 3  # pictures with too little cloth
 
 
@@ -44,6 +46,8 @@ class Measured:
         return "compute" if self.compute < GAIN * self.fragment and self.apart <= ALIKE else "fragment"
 
     def __str__(self) -> str:
+        if self.compute == NEVER:
+            return f"{self.way} (the driver does not compile compute)"
         ratio = self.fragment / max(self.compute, 1e-9)
         same = "equal to the bit" if self.apart == 0.0 else f"at most {100 * self.apart:.2g} % apart"
         return f"{self.way} (compute {ratio:.2f} times as fast; {same})"
@@ -61,7 +65,7 @@ class Ways:
     def measured(self, method: str) -> Measured | None:
         """What is known of a method; None: nothing yet."""
         if method not in self._measured:
-            kept = read_kept(self._path(method), (3,), 1e9)
+            kept = read_kept(self._path(method), (3,), NEVER)
             self._measured[method] = None if kept is None else Measured(*map(float, kept))
         return self._measured[method]
 
@@ -98,7 +102,10 @@ class Ways:
         """Shade the pixels of a surface by both ways, into a picture that nobody sees, and keep what it took."""
         method = _method(scene)
         self._tries[method] = self._tries.get(method, 0) + 1
-        found = None if buffer.parts else self._compared(surface, buffer, view)
+        try:
+            found = None if buffer.parts else self._compared(surface, buffer, view)
+        except ShaderError:
+            found = Measured(0.0, NEVER, 0.0)
         if found is not None:
             self._measured[method] = found
             keep(self._path(method), np.array([found.fragment, found.compute, found.apart], np.float32))

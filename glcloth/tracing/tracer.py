@@ -7,7 +7,7 @@ are made in tiles.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
 import moderngl
@@ -55,6 +55,7 @@ class Tracer:
         self._threads = Threads(ctx)
         self._software = is_software(ctx)
         self._confirmed: tuple | None = None  # what the last picture was of that is known to have had room
+        self._open = False  # whether the last picture was begun with a structure that nobody had looked at
         self.remade = 0  # how many pictures had none
 
     # -- the scene -----------------------------------------------------------------------------------------------
@@ -93,6 +94,13 @@ class Tracer:
             find out, and build it anew
         """
         yield from self.structure(accelerator).build_steps(self.triangles, later)
+
+    def confirm(self, accelerator: str) -> None:
+        """Wait to see whether a structure that was built with `later` had room, and else build it anew: for what sends rays
+        through it beside `trace` and `steps`."""
+        structure = self.structure(accelerator)
+        if (counters := structure.unread) is not None and not structure.fits(counters.read()):
+            structure.build(self.triangles)
 
     def render(
         self,
@@ -156,10 +164,12 @@ class Tracer:
 
     def _fits(self, shot: Shot, read: list[bytes]) -> bool:
         """Whether there was room, by what was read of `_unread`; else there is more now."""
-        structure, left = self.structure(shot.settings.accelerator), list(read)
-        if structure.unread is not None and not structure.fits(left.pop(0)):
+        structure, has_rays = self.structure(shot.settings.accelerator), bool(self._rays.unread[1])
+        tree = read[: len(read) - has_rays]
+        # Where somebody else has looked since, as a picture of the tree does, it may have been built anew after the rays.
+        if self._open and (not tree or structure.unread is None or not structure.fits(tree[0])):
             return False
-        fits = not left or self._rays.fits(left[0], self.statistics)
+        fits = not has_rays or self._rays.fits(read[-1], self.statistics)
         self._confirmed = self._key(shot) if fits else None
         return fits
 
@@ -185,23 +195,27 @@ class Tracer:
         while True:
             yield from self._tiles_traced(shot, pixels)
             parts = self._unread(shot)
-            if not parts:
-                return
-            late = LateRead(self.ctx, parts)
-            try:
-                while (read := late.data()) is None:
-                    yield 1.0
-            finally:
-                late.release()
+            read = (yield from self._late(parts)) if parts else []
             if self._fits(shot, read):
                 return
             self._anew(shot)
+
+    def _late(self, parts: list[tuple[Buffer, int]]) -> Generator[float, None, list[bytes]]:
+        """What buffers hold, when the GPU has come so far."""
+        late = LateRead(self.ctx, parts)
+        try:
+            while (read := late.data()) is None:
+                yield 1.0
+            return read
+        finally:
+            late.release()
 
     def _tiles_traced(self, shot: Shot, pixels: Callable[[], int] | None) -> Iterator[float]:
         """As `steps`, but whether there was room is known only by what is `_unread` then."""
         width, height = shot.size
         structure = self.structure(shot.settings.accelerator)
         later = shot.renewed is None and self._confirmed == self._key(shot)
+        self._open = structure.unread is not None
         self._rays.begin()
         self.statistics = TraceStatistics(build_ms=dict(structure.timings))
         begin = time.perf_counter()

@@ -263,7 +263,8 @@ class VertexVisibility:
         own = [self._data[name] for name in ("probe_data", "x_data", "direction_data")]
         # What the triangles are is in their buffers; the structure is made of them.
         hits = list(self.hit_vertices.inputs().values()) if fixed and self.hit_vertices is not None else []
-        about = [one.read() for one in (*own, triangles.corners, *hits) if isinstance(one, TextureBuffer)]
+        about = [one.read(one.written) for one in (*own, *hits) if isinstance(one, TextureBuffer)]
+        about.append(triangles.corners.read(48 * triangles.count))
         numbers = sorted(
             (name, np.asarray(v).tolist()) for name, v in inputs.items() if not isinstance(v, TextureBuffer)
         )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 from imgui_bundle import imgui  # isort: skip
@@ -18,8 +19,13 @@ RAYS = controls(Scene, ("accelerator", "depth", "spp", "spread"))
 OTHER = [item for item in RAYS if item.name in OWN]
 LAMP = controls(Scene, ("lamp_position", "lamp_intensity", "ambient"))
 MOVING = [c for c in curtain_controls() if c.name in LIVE]
-SHEER = [name for name in builtin_fabrics() if load_fabric(name).transmission is not None]  # what a curtain may be of
 HANGING = [c for c in curtain_controls() if c.name not in LIVE]
+
+
+@cache
+def sheer_fabrics() -> list[str]:
+    """What a curtain may be of; all fabrics are read for it, which takes a third of a second."""
+    return [name for name in builtin_fabrics() if load_fabric(name).transmission is not None]
 
 
 class CurtainPanel(Panel):
@@ -63,7 +69,7 @@ class CurtainPanel(Panel):
         """Shape and size: applied when the slider is let go, for the curtain must settle again."""
         behind = scene.curtain.behind
         behind = (behind or "none") if isinstance(behind, str) else behind.name
-        if new := chooser("second curtain", behind, ["none", *SHEER]):
+        if new := chooser("second curtain", behind, ["none", *sheer_fabrics()]):
             self.attempt(self.session.hang, None, behind="" if new == "none" else new)
         for item in HANGING:
             value = self._draft.get(item.name, getattr(scene.curtain, item.name))

@@ -3,16 +3,18 @@
 import csv
 import json
 import os
+import signal
 import subprocess
 import sys
 from dataclasses import fields, replace
+from multiprocessing.process import BaseProcess
 from pathlib import Path
 from types import SimpleNamespace
 from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
-from fake_job import Fake, Wrong
+from fake_job import Fake, Surroundings, Wrong
 from test_doors import fails, run
 
 from glcloth import cli
@@ -43,6 +45,20 @@ def test_a_process_killed_costs_its_picture_which_another_makes(tmp_path, capsys
     assert "LP_NUM_THREADS" not in os.environ
 
 
+def test_processes_have_the_surroundings_of_their_job_and_leave_ctrl_c_to_it(monkeypatch):
+    start, heard = BaseProcess.start, []
+    monkeypatch.setattr(
+        BaseProcess, "start", lambda self: (heard.append(signal.getsignal(signal.SIGINT)), start(self))[1]
+    )
+    before = signal.getsignal(signal.SIGINT)
+    for cache in ("one", "other", None):
+        monkeypatch.delenv("GLCLOTH_CACHE") if cache is None else monkeypatch.setenv("GLCLOTH_CACHE", cache)
+        (found,) = pool.share(Surroundings(), [0], 1)
+        assert found == {"cache": cache, "deaf": True}
+    # Not even while the first one starts, which takes as long as glcloth does.
+    assert set(heard) == {before}
+
+
 def test_a_picture_that_kills_every_process_is_given_up(tmp_path):
     with pytest.raises(RuntimeError, match=r"0\.txt: 3 processes died"):
         list(pool.share(Fake(tmp_path, (0,), always=True), [0], 1))
@@ -56,7 +72,7 @@ def test_errors_of_processes_are_those_of_one_process(monkeypatch):
     pipe = SimpleNamespace(recv=lambda: 0, send=sent.append)
     monkeypatch.setattr(sys, "stderr", sys.stderr)  # which a process takes over
     for error in (InputError("a"), ShaderError("b"), DriverError("c"), MemoryError("d"), KeyError("e")):
-        pool._work(pipe, Wrong(error), 1)
+        pool._work(pipe, Wrong(error), 1, dict(os.environ))
         kind, text = sent.pop()
         assert pool.KINDS.get(kind, KeyError) is type(error) and str(error) in text
 

@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from glcloth.image import read_image
+from glcloth.light.fit import SHIPPED
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -36,6 +37,8 @@ def test_an_index_would_take_the_packages(packages, tmp_path):
     assert done.returncode == 0, done.stdout
     inside = zipfile.ZipFile(wheel).namelist()
     assert "glcloth/py.typed" in inside and any(name.endswith("licenses/LICENSE") for name in inside)
+    fits = {f"glcloth/light/fits/{path.name}" for path in SHIPPED.iterdir()}
+    assert fits and fits <= set(inside)
     with tarfile.open(sdist) as archive:
         archive.extractall(tmp_path, filter="data")
     (tree,) = tmp_path.iterdir()

@@ -10,7 +10,7 @@ from glcloth.geometry import hairs
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.hairs import hairs_in_view, rim_edges, shown_width
 from glcloth.geometry.mesh import build_mesh
-from glcloth.light.lights import Lights, SphericalGaussians
+from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.twins.hair import hair_cover
 
 END = np.array([0.1, 0.0, 0.0])
@@ -153,3 +153,12 @@ def test_uvs_that_are_far_too_large_take_no_more_memory(monkeypatch, ortho):
         cells.clear()
         hairs_in_view(mesh, mesh.positions[rim_edges(mesh)], metres, view, (200, 150), 9e6, 1e-3, 2e-5, 1e-3)
         assert sum(cells) < 1 << 19
+
+
+def test_hairs_without_any_light_are_black(renderer):
+    none = np.zeros((0, 3))
+    dark = Lights(SphericalGaussians(none, np.zeros(0), none), Suns(none, none))
+    look = {**LOOK, "lights": dark, "size": (80, 60)}
+    bare, picture = (renderer.render(mesh=sheet(), fabric=fuzzy(n), camera=camera(0.012), **look) for n in (0.0, 20.0))
+    assert not picture[..., :3].any() and picture[..., 3].sum() > bare[..., 3].sum()
+    assert renderer.stage.cloths[0].fuzz._lights.value["light_count"] == 1

@@ -562,6 +562,12 @@ def test_what_vertices_see_is_found_on_disk_by_the_next_process(ctx, monkeypatch
     again, none = drawn()
     assert count > 4 and none == 0
     np.testing.assert_array_equal(first, again)
+    # Nor after a larger mesh, of which buffers keep something.
+    with Renderer(ctx=ctx) as session:
+        session.render(**{**common, "mesh": wavy(12)})
+        traced.clear()
+        np.testing.assert_array_equal(session.render(**common), first)
+        assert not traced
     # Other lights have narrow directions of their own, another mesh everything.
     turned = SphericalGaussians(narrow.axis[:, [2, 1, 0]], narrow.sharpness, narrow.amplitude)
     assert 0 < drawn(lights=turned)[1] < count

@@ -1,8 +1,11 @@
 """Pixels are shaded in compute as by fragments, and the faster way is measured, kept and taken."""
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 
+from glcloth.errors import ShaderError
 from glcloth.fabric import load_fabric
 from glcloth.gpu.context import is_software
 from glcloth.gpu.tally import counting
@@ -82,5 +85,13 @@ def test_auto_takes_what_was_measured_as_faster_and_keeps_it(renderer, monkeypat
     kept = Ways(renderer.ctx)
     assert kept.measured("direct").way == "compute" == kept.of(scene) and not kept.due(scene)
     assert kept.of(scene.changed(shade="fragment")) == kept.of(scene.changed(method="reference")) == "fragment"
+    # Fragments go on where a driver does not compile the other, which is found out once.
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path / "other"))
+    monkeypatch.setattr(renderer, "_ways", Ways(renderer.ctx))
+    monkeypatch.setattr(Ways, "_compared", Mock(side_effect=ShaderError("covered.comp")))
+    for _ in range(3):
+        renderer.draw(frame)
+        assert renderer.facts()["shade"] == "fragment"
+    assert Ways._compared.call_count == 1 and "not compile" in str(Ways(renderer.ctx).measured("direct"))
     # Noise chooses nothing, and no way that gives another picture.
     assert Measured(10.0, 9.5, 0.0).way == Measured(10.0, 1.0, 0.1).way == "fragment"

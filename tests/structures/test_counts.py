@@ -3,6 +3,8 @@
 What keeps a real GPU waiting is named here (docs of the road: ../shared/design/facts-gpu.md); it may become less.
 """
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -98,9 +100,42 @@ def test_a_frame_that_had_no_room_is_made_again(ctx, curtain, monkeypatch, short
         np.testing.assert_array_equal(look(), expected)
 
 
+def test_who_else_looks_at_the_tree_of_a_frame_finds_it_whole(ctx, curtain, monkeypatch):
+    """A picture of the tree in the middle of a frame, and light that is found through the tree."""
+    expected, tree = curtain.picture(), curtain.tracer.structure("kdtree")
+
+    def small():
+        curtain._built.clear()
+        curtain.build()
+        assert tree.unread is not None
+        curtain._built.clear()
+        tree._levels = 2, 2
+        curtain.build()
+
+    for look in (tree.arrays, lambda: curtain.tracer.confirm("kdtree")):
+        small()
+        before = curtain.tracer.remade
+        steps = curtain.steps(SIZE, 1, lambda: 1 << 20)
+        next(steps)
+        look()
+        assert tree.unread is None
+        assert drawn_by(steps, curtain).tobytes() == expected.tobytes()
+        assert curtain.tracer.remade == before + 1
+    # Radiosity and photons are found through it.
+    for gi in ("radiosity", "photons"):
+        small()
+        monkeypatch.setattr(type(curtain), "radiosity", SimpleNamespace(prepare=tuple, light=lambda *_: {}))
+        curtain.lit(curtain.shot(), curtain.scene.changed(gi=gi))
+        assert tree.unread is None
+
+
 def drawn(curtain, ctx):
     """The present frame as the window draws it."""
-    list(curtain.steps(SIZE, 1, lambda: 1024))
+    return drawn_by(curtain.steps(SIZE, 1, lambda: 1024), curtain)
+
+
+def drawn_by(steps, curtain):
+    list(steps)
     data = curtain.tracer.picture.read(16 * SIZE[0] * SIZE[1])
     return np.frombuffer(data, np.float32).reshape(SIZE[1], SIZE[0], 4)[..., :3]
 

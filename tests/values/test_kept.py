@@ -5,6 +5,7 @@ import os
 import numpy as np
 import pytest
 
+from glcloth import kept
 from glcloth.kept import keep, kept_path, read_kept
 
 
@@ -45,6 +46,19 @@ def test_the_oldest_files_go_and_a_folder_that_cannot_be_written_is_none(tmp_pat
         keep(path, np.zeros(1, "f4"), most=2)
         os.utime(path, (k, k))
     assert [path.exists() for path in paths] == [False, False, True, True]
+    # Large ones go earlier, the largest are not kept, and what another process is writing stays.
+    monkeypatch.setattr(kept, "MOST_BYTES", 5000)
+    (tmp_path / "a" / ".other.glcloth-x.npz").write_bytes(b"half")
+    os.utime(tmp_path / "a" / ".other.glcloth-x.npz", (0, 0))
+    for k, count in ((4, 500), (5, 500), (6, 700)):
+        keep(kept_path("a", k), np.zeros(count, "f4"), most=2)
+        if count == 500:
+            os.utime(kept_path("a", k), (k, k))
+    found = sorted(path.name for path in (tmp_path / "a").iterdir())
+    assert found == sorted([".other.glcloth-x.npz", *(kept_path("a", k).name for k in (4, 5))])
+    monkeypatch.setattr(kept, "MOST_BYTES", 4100)
+    keep(kept_path("a", 7), np.zeros(500, "f4"), most=2)
+    assert [kept_path("a", k).exists() for k in (4, 5, 7)] == [False, False, True]
     (tmp_path / "b").write_text("a file in its place")
     keep(kept_path("b", 1), np.zeros(1, "f4"))
     assert (tmp_path / "b").read_text() == "a file in its place"
