@@ -231,7 +231,11 @@ class CurtainParameters(Value):
             return data
         sizes = {name: data.get(name, cls.model_fields[name].default) for name in ("width", "drop", "fullness")}
         heading = data.get("heading", "tape")
-        if heading not in FOLDS or not all(isinstance(v, int | float) and 0 < v < 1e6 for v in sizes.values()):
+        if (
+            not isinstance(heading, str)
+            or heading not in FOLDS
+            or not all(isinstance(v, int | float) and 0 < v < 1e6 for v in sizes.values())
+        ):
             return data
         pleats = data.get("pleats")
         own = _sewn(**sizes, heading=heading, pleats=pleats if isinstance(pleats, int) else None)

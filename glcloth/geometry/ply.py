@@ -294,7 +294,8 @@ def _is_numbers(value) -> bool:
 def _columns(table: Table, names: tuple[str, ...]) -> np.ndarray | None:
     if not all(_is_numbers(table.get(name)) for name in names):
         return None
-    return np.column_stack([np.asarray(table[name], np.float64) for name in names])
+    with np.errstate(invalid="ignore"):  # damaged floats may be signalling NaNs
+        return np.column_stack([np.asarray(table[name], np.float64) for name in names])
 
 
 def _rgb(table: Table) -> np.ndarray | None:

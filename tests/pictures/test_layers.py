@@ -181,7 +181,7 @@ def test_other_programs_read_the_file(renderer, tmp_path):
     [
         (["--aov", "depth", "-o", "a.png"], "--aov writes layers, expected a name that ends in .exr"),
         (["--aov", "depth,normals", "-o", "a.exr"], "did you mean normal?"),
-        (["curtain", "--aov", "bounce", "-o", "a.exr"], "not of the curtain"),
+        (["curtain", "--method", "path", "--aov", "bounce", "-o", "a.exr"], "keeps kinds of light in one sum"),
     ],
 )
 def test_wrong_layers_are_one_line(words, said, capsys, tmp_path, monkeypatch):

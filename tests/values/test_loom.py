@@ -139,15 +139,19 @@ def test_a_sketch_is_an_equal_fabric_with_smaller_maps():
     assert np.abs(coarse.rel.mean((1, 2)) - 1.0).max() < 1e-5 and max(sketch.weave.color_map(coarse)[0].shape) <= 128
 
 
-def test_programs_are_compiled_ahead_for_a_woven_fabric():
-    """Idle windows do this; the weave's own tangents must not stand in the way of those that are asked for."""
+@pytest.mark.parametrize("due", [False, True])
+def test_programs_are_compiled_ahead_for_a_woven_fabric(monkeypatch, due):
+    """Idle windows do this; the weave's own tangents must not stand in the way of those that are asked for. Last comes a picture
+    that is large enough to measure by, where that is due."""
+    monkeypatch.setattr("glcloth.picture.warm_up.ways", lambda _: SimpleNamespace(due=lambda scene: due))
     drawn = []
     renderer = SimpleNamespace(
         draw=lambda frame: drawn.append(len(frame.fabric.tangents)), ctx=SimpleNamespace(finish=int)
     )
     cloth = Cloth(load_mesh("plane"), load_fabric("linen_light"))
     frame = Frame(Scene(), (cloth,), None, None, Camera(), None)
-    assert len(list(warm_up(renderer, frame))) == len(drawn) and drawn == [n for n, _ in WARM_UP for _ in (0, 1)]
+    assert len(list(warm_up(renderer, frame))) == len(drawn)
+    assert drawn == [n for n, _ in WARM_UP for _ in (0, 1)] + due * [len(cloth.fabric.tangents)]
 
 
 def test_the_sheet_of_fabrics_goes_from_plain_and_fine_to_pile():

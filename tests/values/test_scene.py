@@ -134,7 +134,7 @@ def test_a_curtain_as_it_is_ordered():
     assert CurtainParameters.parse(narrow.model_dump()) == narrow
     for change, said in (
         ({"drop": 2.5}, "at most 2.4"), ({"color": "reddish"}, "a colour's name"), ({"color": (0.1, 0.2, 1.5)}, "color"),
-        ({"heading": "hooks"}, "eyelet"), ({"width": "wide"}, "width"),
+        ({"heading": "hooks"}, "eyelet"), ({"heading": []}, "heading"), ({"width": "wide"}, "width"),
     ):  # fmt: skip
         with pytest.raises(InputError, match=said) as caught:
             CurtainParameters.parse(change)
