@@ -213,6 +213,14 @@ class Renderer:
         for _ in self.steps(frame, announce=f"{frame.scene.method}: passes over the picture"):
             pass
 
+    def draw_aside(self, frame: Frame) -> None:
+        """As `draw`, and wait for it, of a frame that nobody sees: places are asked of the picture before, where it is kept."""
+        before = self._target, self._by_path
+        self.draw(frame)
+        self.ctx.finish()
+        if before[0] is not None and self._targets.holds(before[0]):
+            self._target, self._by_path = before
+
     def steps(
         self,
         frame: Frame,

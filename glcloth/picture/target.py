@@ -245,6 +245,10 @@ class Targets:
         self.ctx = ctx
         self._targets: dict[tuple, Target] = {}  # the one used last is the last
 
+    def holds(self, target: Target) -> bool:
+        """Whether a target is one of them still."""
+        return target in self._targets.values()
+
     def get(self, size: tuple[int, int], parted: bool = False) -> Target:
         """The target of a size, with parts of the light if asked for. Raises InputError where OpenGL cannot draw so large."""
         limit = self.ctx.info["GL_MAX_TEXTURE_SIZE"]

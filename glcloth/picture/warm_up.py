@@ -30,11 +30,9 @@ def warm_up(renderer: Renderer, frame: Frame) -> Iterator[None]:
         small = frame.with_cloth(fabric=frame.fabric.changed(yarn=(many, one), weave=None))
         for adaptive in (True, False):
             scene = frame.scene.changed(method="direct", quality="normal", spp=1, adaptive=adaptive, size=(22, 18))
-            renderer.draw(replace(small, scene=scene))
-            renderer.ctx.finish()
+            renderer.draw_aside(replace(small, scene=scene))
             yield
     scene = frame.scene.changed(method="direct", quality="normal", spp=1, adaptive=False, size=(320, 240))
     if ways(renderer.ctx).due(scene):  # in parts, as the window draws, nothing is measured
-        renderer.draw(replace(frame, scene=scene))
-        renderer.ctx.finish()
+        renderer.draw_aside(replace(frame, scene=scene))
         yield

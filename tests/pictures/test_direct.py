@@ -367,8 +367,11 @@ def test_dragging_the_fabric_crosses_no_threshold(renderer, field):
 
 def test_after_a_warm_up_no_weave_of_up_to_eight_tangents_compiles(renderer):
     frame = renderer.prepare(size=(32, 24))
+    renderer.draw(frame)
+    shown = renderer.target
     for _ in warm_up(renderer, frame):
         pass
+    assert renderer.target is shown, "a click would ask the wrong picture"
     compiled = len(programs(renderer.ctx))
     vertices = renderer.stage.cloths[0].visibility.vertices
     seen = vertices.version
