@@ -179,6 +179,7 @@ class Cloth:
         self.quad_count = (self.rows - 1) * (self.columns - 1)
         self.table_size = 1 << max(8, (2 * self.vertex_count - 1).bit_length())
         self.wind = wind or Wind()
+        self._rail_data: TextureBuffer | None = None
         self.backdrop: Backdrop | None = None  # another cloth behind it, see `hang_before`
         self.rail: Rail | None = None  # on which the first row turns with the cloth
         self.time = 0.0
@@ -219,6 +220,8 @@ class Cloth:
     def hang_before(self, backdrop: Backdrop) -> None:
         """Let another cloth keep this one out from now on."""
         self.backdrop = backdrop
+        rail = np.ascontiguousarray(self.positions()[0, :, 2], np.float32)
+        self._rail_data = TextureBuffer(self.ctx, rail.tobytes(), "r32f")
         self._solids = solids_glsl(self.colliders, backdrop=True)
 
     def step(self, dt: float) -> None:
@@ -241,7 +244,7 @@ class Cloth:
             # The air changes slowly: its force serves several substeps, limited as one step of that length.
             renew = k % m.air_substeps == 0
             if self.backdrop is not None:
-                values.update(self.backdrop.inputs(k / m.substeps))
+                values.update(self.backdrop.inputs(k / m.substeps), rail_data=self._rail_data, row_length=m.spacing[1])
             if renew:
                 if k > 0:
                     self._advance(values, finish=True)
@@ -364,6 +367,8 @@ class Cloth:
         """Free the GPU's memory."""
         for buffer in self._buffers.values():
             buffer.release()
+        if self._rail_data is not None:
+            self._rail_data.release()
         self._buffers.clear()
         if self.rail is not None:
             self.rail.release()

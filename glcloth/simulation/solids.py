@@ -50,7 +50,9 @@ def solids_glsl(solids: Sequence[Solid], backdrop: bool = False) -> str:
 
     backdrop : against a cloth behind it, too (glcloth/simulation/backdrop.py). Raises InputError for shapes that make no sense.
     """
-    calls = ["d_plane(point, vec3(0.0, 0.0, 1.0), backdrop_height(point))"] if backdrop else []
+    calls = (
+        ["d_plane(point, vec3(0.0, 0.0, 1.0), min(backdrop_height(point), backdrop_reach(item())))"] if backdrop else []
+    )
     for solid in solids:
         if isinstance(solid, Plane):
             length = math.hypot(*solid.normal)

@@ -52,6 +52,21 @@ def test_the_wind_blows_no_curtain_through_the_other(ctx):
         curtains.release()
 
 
+def test_no_curtain_is_pushed_further_than_its_threads_reach(ctx):
+    """In a wind that lifts the one behind to the rail. Single threads once were three times as long then."""
+    curtains = Curtains(ctx, CurtainParameters(behind="blackout", wind=3.0, **COARSE))
+    try:
+        for _ in range(18):
+            curtains.step(1 / 24)
+        front, behind = (one.positions() for one in curtains.pieces)
+        across, down = curtains.cloth.parameters.spacing
+        assert np.linalg.norm(np.diff(front, axis=0), axis=-1).max() < 1.25 * down
+        assert np.linalg.norm(np.diff(front, axis=1), axis=-1).max() < 1.25 * across
+        assert front[..., 2].max() > behind[..., 2].max() > 1.5
+    finally:
+        curtains.release()
+
+
 def test_a_second_curtain_in_a_scene(tmp_path):
     own = tmp_path / "own.toml"
     scene = Scene(curtain={"behind": str(own), "behind_color": "crimson"})

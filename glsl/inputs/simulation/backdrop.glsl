@@ -6,6 +6,16 @@ uniform float backdrop_share;  // of the step that has passed
 uniform vec2 backdrop_low;
 uniform float backdrop_cell;
 uniform ivec2 backdrop_cells;
+uniform samplerBuffer rail_data;  // of each column of the cloth before it: z of its upper end at rest
+uniform int columns;
+uniform float row_length;         // m, from row to row
+
+// How far forward a vertex may be pushed: where cloth behind blows out over the rail, what hangs before it would have to be
+// longer than its threads are.
+const float PUSHED = 0.9;  // of the thread up to the rail
+float backdrop_reach(int vertex) {
+    return texelFetch(rail_data, vertex % columns).x + PUSHED * row_length * float(vertex / columns);
+}
 
 float height_of(ivec2 cell) {
     cell = clamp(cell, ivec2(0), backdrop_cells - 1);
