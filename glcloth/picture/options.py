@@ -38,7 +38,7 @@ def with_options(scene: Scene, changes: dict[str, Any]) -> Scene:
     if look:
         changes["camera"] = _looked(scene, look)
     whole = scene.changed(**changes) if changes else scene
-    _check_unread(whole, changes)
+    _check_unread(whole, changes | table)
     return whole
 
 
@@ -49,6 +49,8 @@ def _check_unread(scene: Scene, changes: dict[str, Any]) -> None:
     unread = [name for name in ("photons", "photon_neighbours") if name in changes]
     if unread and (scene.curtain is None or scene.gi != "photons"):
         raise InputError(f"--{unread[0].replace('_', '-')}: of gi photons; give --gi photons too, or leave it out")
+    if changes.get("behind_open") and scene.curtain is not None and not scene.curtain.behind:
+        raise InputError("--behind-open: of a second curtain; give --behind FABRIC too, or leave it out")
 
 
 def _looked(scene: Scene, look: dict[str, Any]) -> View:

@@ -99,6 +99,7 @@ def test_frames_of_the_curtain_keep_their_scene(tmp_path):
         ({"noise": 1.0}, "--noise: of method path"),
         ({"denoise": True, "method": "direct"}, "--denoise: of method path"),
         ({"photons": 5000, "curtain": CurtainParameters()}, "--photons: of gi photons"),
+        ({"behind_open": 1.0, "curtain": CurtainParameters()}, "--behind-open: of a second curtain"),
     ],
 )
 def test_options_that_nothing_reads_are_one_line(changes, said):
