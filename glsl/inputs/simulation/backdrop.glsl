@@ -12,9 +12,8 @@ uniform float row_length;         // m, from row to row
 
 // How far forward a vertex may be pushed: where cloth behind blows out over the rail, what hangs before it would have to be
 // longer than its threads are.
-const float PUSHED = 0.9;  // of the thread up to the rail
 float backdrop_reach(int vertex) {
-    return texelFetch(rail_data, vertex % columns).x + PUSHED * row_length * float(vertex / columns);
+    return texelFetch(rail_data, vertex % columns).x + row_length * float(vertex / columns);
 }
 
 float height_of(ivec2 cell) {
