@@ -146,7 +146,7 @@ def test_programs_are_compiled_ahead_for_a_woven_fabric(monkeypatch, due):
     monkeypatch.setattr("glcloth.picture.warm_up.ways", lambda _: SimpleNamespace(due=lambda scene: due))
     drawn = []
     renderer = SimpleNamespace(
-        draw=lambda frame: drawn.append(len(frame.fabric.tangents)), ctx=SimpleNamespace(finish=int)
+        draw_aside=lambda frame: drawn.append(len(frame.fabric.tangents)), ctx=SimpleNamespace(finish=int)
     )
     cloth = Cloth(load_mesh("plane"), load_fabric("linen_light"))
     frame = Frame(Scene(), (cloth,), None, None, Camera(), None)
