@@ -10,11 +10,7 @@
 uniform samplerBuffer look_data;      // of each triangle (color, layer of its picture or -1), (roughness, metalness, -, -)
 uniform sampler2DArray base_pictures;  // linear
 uniform float look_taps;      // places at which a pixel reads one at most
-uniform float pass_weight;    // share of this sample in the pixel
-uniform float pass_cover;     // what this pass adds to the pixel's coverage: the first all
-#ifdef CATCHER
-#include "inputs/picture/catcher.glsl"
-#endif
+#include "inputs/picture/solid_output.glsl"
 
 const float DIELECTRIC = 0.04;  // reflectance at normal incidence of what is no metal, as in glTF
 
@@ -37,18 +33,5 @@ void shade(ivec2 pixel) {
     vec3 kept = matt ? vec3(1.0) : (vec3(1.0) - F_color(vec3(DIELECTRIC), cos_o)) * (1.0 - finish.y);
     vec3 radiance_per_irradiance = base * kept / PI;
     vec3 L = radiance_per_irradiance * E + (matt ? vec3(0.0) : L_gloss);
-    color = vec4(L * pass_weight, pass_cover);
-#ifdef CATCHER
-    if (triangle >= first_catching) {
-        color = caught(pixel, pass_weight);
-#ifdef PARTS
-        bounce_color = through_color = vec4(0.0);
-#endif
-        return;
-    }
-#endif
-#ifdef PARTS
-    bounce_color = vec4(radiance_per_irradiance * L_bounce * pass_weight, 0.0);
-    through_color = vec4(0.0);
-#endif
+    put(pixel, triangle, L, radiance_per_irradiance);
 }
