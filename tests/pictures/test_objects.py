@@ -51,7 +51,8 @@ def test_a_white_metal_keeps_even_light(renderer, method, roughness):
     shown = picture(renderer, ball(Material("m", WHITE, roughness, 1.0)), method=method, cube=24)
     whole = shown[..., 3] == 1.0
     far_off = np.abs(shown[..., :3] - 1.0)
-    inside = whole[1:-1, 1:-1] & whole[:-2, 1:-1] & whole[2:, 1:-1] & whole[1:-1, :-2] & whole[1:-1, 2:]  # but for the rim
+    # But for the rim.
+    inside = whole[1:-1, 1:-1] & whole[:-2, 1:-1] & whole[2:, 1:-1] & whole[1:-1, :-2] & whole[1:-1, 2:]
     assert inside.sum() > 1000 and far_off[1:-1, 1:-1][inside].max() < 0.02
     assert far_off[whole].max() < 0.04 and np.quantile(far_off[whole], 0.99) < 0.02
 
