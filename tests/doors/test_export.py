@@ -268,8 +268,8 @@ def test_mitsubas_plugin_is_the_same_cloth(name):
     counted = [one.wo.z > original.LOWEST and one.pdf > 0 for one in drawn]
     assert total == pytest.approx(np.mean(counted), abs=0.06)
     # No sample counts where the cloth is black: upright fibres seen from the side show nothing to the other one.
-    si.wi = mi.Vector3f(np.sin(1.2), 0, np.cos(1.2))
-    for w in z[:200]:
+    si.wi = mi.Vector3f(0.8 * np.sin(1.22), 0.6 * np.sin(1.22), np.cos(1.22))
+    for w in [*z[:200], *(np.array(one.wo) for one in drawn[:200])]:
         assert (plugin.pdf(ctx, si, mi.Vector3f(w)) > 0) == np.any(np.array(plugin.eval(ctx, si, mi.Vector3f(w))) > 0)
 
 

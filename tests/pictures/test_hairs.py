@@ -11,7 +11,9 @@ from glcloth.geometry.camera import Camera
 from glcloth.geometry.hairs import hairs_in_view, rim_edges, shown_width
 from glcloth.geometry.mesh import build_mesh
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
-from glcloth.twins.hair import hair_cover
+from glcloth.picture.frame import Cloth
+from glcloth.picture.fuzz import DIAMETER
+from glcloth.twins.hair import hair_cover, hair_place
 
 END = np.array([0.1, 0.0, 0.0])
 EVEN = Lights(SphericalGaussians(np.array([[0.0, 0.0, 1.0]]), np.array([0.0]), np.ones((1, 3))))
@@ -99,8 +101,6 @@ def test_no_hairs_from_afar_nor_before_objects_that_hide_them(renderer):
         "front", np.array([[-0.1, -0.1, 0.02], [0.1, -0.1, 0.02], [0.1, 0.1, 0.02], [-0.1, 0.1, 0.02]]),
         np.array([[0, 1, 2], [0, 2, 3]]), np.array([[0.0, 0], [0.2, 0], [0.2, 0.2], [0, 0.2]]), None,
     )  # fmt: skip
-    from glcloth.picture.frame import Cloth
-
     hidden = [
         renderer.render(
             cloths=[Cloth(sheet(), fuzzy(fuzz)), Cloth(front, load_fabric("velvet"))], camera=camera(0.012), **LOOK
@@ -162,3 +162,43 @@ def test_hairs_without_any_light_are_black(renderer):
     bare, picture = (renderer.render(mesh=sheet(), fabric=fuzzy(n), camera=camera(0.012), **look) for n in (0.0, 20.0))
     assert not picture[..., :3].any() and picture[..., 3].sum() > bare[..., 3].sum()
     assert renderer.stage.cloths[0].fuzz._lights.value["light_count"] == 1
+
+
+def test_hairs_cover_as_much_as_they_are_long_and_wide(renderer):
+    """Few of them, so that hardly any lie over each other: alpha beyond the rim adds up to lengths times widths."""
+    fabric, view, (width, height) = fuzzy(2.0), camera(0.012), LOOK["size"]
+    got = float(renderer.render(mesh=sheet(), fabric=fabric, camera=view, **LOOK)[:75, :, 3].sum())
+    found = renderer.stage.cloths[0].fuzz.last
+    corners = sheet().positions[sheet().triangles[found.triangle]]
+    weights = np.column_stack([1.0 - found.weights.sum(1), found.weights])
+    s = np.linspace(0.0, 1.0, 201)
+    front = (found.side == 0)[:, None]
+    one, other = found.random[:, :4], found.random[:, 4:8]
+    way, bend = np.where(front, one, other)[:, None], np.where(front, other, one)[:, None]
+    length = 1e-3 * fabric.weave.fuzz_length * found.length[:, None, None]
+    out = hair_place(way, bend, s[None]) * np.where(front[..., None], 1.0, [1.0, 1.0, -1.0])
+    place = (weights[:, :, None] * corners).sum(1)[:, None] + length * out
+    pixel = 2.0 * np.tan(np.radians(view.fov_deg) / 2) / height * (0.4 - place[..., 2])
+    at = place[..., :2] / pixel[..., None]
+    middle = 0.5 * (at[:, 1:] + at[:, :-1])
+    shown = (middle[..., 1] > 0.0) & (middle[..., 1] < height / 2) & (np.abs(middle[..., 0]) < width / 2)
+    taper = 1.0 - 0.6 * (0.5 * (s[1:] + s[:-1])) ** 2
+    wide = found.width[:, None] * DIAMETER / pixel[:, 1:] * taper
+    expected = float((np.linalg.norm(np.diff(at, axis=1), axis=-1) * wide * shown).sum())
+    assert expected > 15.0 and got == pytest.approx(expected, rel=0.12)
+
+
+def test_hairs_in_the_shade_are_dark(renderer):
+    """A cloth out of sight stands between them and the light."""
+    lamp = Lights(SphericalGaussians(np.array([[0.0, 0.7071, 0.7071]]), np.array([200.0]), np.full((1, 3), 500.0)))
+    x, y = np.array([1.0, 0, 0]), np.array([0.0, 0.7071, -0.7071])
+    corners = np.array([0.0, 0.3, 0.3]) + np.array(
+        [-0.5 * x - 0.2 * y, 0.5 * x - 0.2 * y, 0.5 * x + 0.2 * y, 0.2 * y - 0.5 * x]
+    )
+    roof = build_mesh("roof", corners, np.array([[0, 1, 2], [0, 2, 3]]), np.eye(4)[:, :2], None)
+    look = {**LOOK, "lights": lamp, "shadows": "full", "size": (100, 75), "camera": camera(0.012)}
+    of_hairs = []
+    for others in ([], [Cloth(roof, load_fabric("velvet"))]):
+        picture = renderer.render(cloths=[Cloth(sheet(), fuzzy(12.0)), *others], bounce=False, **look)[:36]
+        of_hairs.append(float(picture[..., :3].sum() / picture[..., 3].sum()))
+    assert of_hairs[0] > 0.05 and of_hairs[1] < 0.2 * of_hairs[0]

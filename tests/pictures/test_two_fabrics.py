@@ -21,6 +21,9 @@ from glcloth.tracing.tracer import Tracer
 LINEN = load_fabric("linen_curtain")
 # Hardly a mirror.
 DULL = [f.changed(transmission=f.transmission.changed(eta_1=1.0, eta_2=1.02)) for f in (VOILE, LINEN)]
+# A warp that lies flat: as many tangents of one yarn as of the other would hide whose they are.
+PLAIN = {"curve_angles_deg": None, "curve_lengths": None, "samples": None, "shares": None}
+DULL[1] = DULL[1].changed(weave=None, yarn=(LINEN.yarn[0].changed(**PLAIN, tangents_deg=(0.0,)), LINEN.yarn[1]))
 
 
 @pytest.fixture
