@@ -1,11 +1,14 @@
-"""Method `path` in the curtain's room against Mitsuba 3: the built-in room and curtain, a Lambertian sheet with even holes.
+"""Method `path` in the curtain's room against Mitsuba 3 and Cycles: the built-in room, a Lambertian sheet with even holes.
 
 python tests/measure/room.py [--size 48x48] [--spp 256] [--frame 30] [--max-depth 24] [--straight .4] [--albedo .45,.4,.3]
+    [--cycles]
 
-Needs the optional extra `check` (Mitsuba 3). The sheet lets the share `straight` go straight on in all directions and reflects
-as a Lambertian; in Mitsuba it is a mask over one, and `volpath` samples light through it. The room has its own colours, the lamp
-its place; the sky is even. Printed: means of both, their difference in % of the mean, noise of ours, and the difference after
-means over 3x3 pixels with what both pictures' noise alone would make; samples per second and CPU second of both.
+Needs the optional extra `check` (Mitsuba 3), and with --cycles the extra `blender` (bpy). The sheet lets the share
+`straight` go straight on in all directions and reflects as a Lambertian; in Mitsuba it is a mask over one, and `volpath`
+samples light through it; in Cycles a mix with a transparent one. The room has its own colours, the lamp its place; the sky
+is even. Printed for each: means, their difference in % of the mean, noise of ours, and the difference after means over 3x3
+pixels with what both pictures' noise alone would make; samples per second and CPU second, noise of a pixel, and CPU seconds
+that a pixel takes to 1 %.
 """
 
 import os
@@ -25,6 +28,7 @@ from glcloth.gpu.programs import programs
 from glcloth.light.environment import Environment
 from glcloth.scene import Scene
 from glcloth.tracing.path import PathTracer
+from glcloth.visibility.sheets import sight
 
 INCLUDE = "inputs/tracing/path_fabric.glsl"
 SKY = 2.0
@@ -37,13 +41,13 @@ class Lambertian(PathTracer):
 
     def _dress(self):
         super()._dress()
-        rows = np.zeros((1, 7, 4), "f4")
+        rows = np.zeros((1, 8, 4), "f4")
         t = self._world.cloths[0][1].transmission
         end = len(self._world.cloths[0][0].triangles)
         rows[0, 1], rows[0, 2, 3] = (t.rho, t.k_a, t.k_t, t.diffuse), end
         rows[0, 3] = t.eta_1, t.eta_2, 1.0, 1.0
         rows[0, 4, :3] = self.albedo
-        rows[0, 5, 2:] = -1.0
+        rows[0, 4, 3] = rows[0, 5, 2] = rows[0, 5, 3] = -1.0
         self._cloth.write(rows)
 
     def _program(self):
@@ -59,11 +63,9 @@ vec3 f_and_pdf(Fabric fabric, vec3 omega_i, vec3 omega_o, out float pdf) {
 vec3 drawn_direction(Fabric fabric, vec3 omega_o, float choice, vec2 u) { return cosine_direction(u); }
 """
         )
-        virtual = {
-            "sky.glsl": self.sky.source, "sight.glsl": "inputs/tracing/sight_sheer.glsl", INCLUDE: text,
-            "accel.glsl": self._structure.source, "count.glsl": "inputs/accel/count_none.glsl",
-        }  # fmt: skip
-        return programs(self.ctx).compute("passes/tracing/path.comp", {"SHEER": 1}, virtual)
+        defines, virtual, _ = sight(self.structure, self._sheer, "inputs/tracing/sight_either.glsl")
+        virtual |= {"sky.glsl": self.sky.source, "sight.glsl": "inputs/tracing/sight_sheer.glsl", INCLUDE: text}
+        return programs(self.ctx).compute("passes/tracing/path.comp", defines, virtual)
 
 
 def mitsuba_scene(mi, cloth, walls, reflectances, shot, straight, albedo, spp):
@@ -97,6 +99,13 @@ def mitsuba_scene(mi, cloth, walls, reflectances, shot, straight, albedo, spp):
     return mi.load_dict(scene)
 
 
+def timed(render, spp):
+    """Two halves of a picture [2, H, W, 3], and the wall and CPU seconds that both took."""
+    begin, cpu = time.perf_counter(), time.process_time()
+    halves = np.stack([render(spp // 2, seed) for seed in (1, 2)])
+    return halves, time.perf_counter() - begin, time.process_time() - cpu
+
+
 def block_means(picture):
     """Means over 3x3 pixels, of luminance."""
     Y = luminance(np.asarray(picture, float))
@@ -114,6 +123,7 @@ options = common.options(
     straight=0.4,
     albedo="0.45,0.4,0.3",
     variant="llvm_ad_rgb",
+    cycles=False,
 )
 import mitsuba as mi  # noqa: E402
 
@@ -151,24 +161,36 @@ with glcloth.Renderer() as renderer, tempfile.TemporaryDirectory() as folder:
     theirs_scene = mitsuba_scene(mi, cloth, files, colors, shot, straight, albedo, spp)
     integrator = mi.load_dict({"type": "volpath", "max_depth": depth + 1 if depth > 1 else 2, "rr_depth": 5})
     np.asarray(mi.render(theirs_scene, integrator=integrator, spp=1, seed=9))
-    begin, cpu = time.perf_counter(), time.process_time()
-    theirs = [np.asarray(mi.render(theirs_scene, integrator=integrator, spp=spp // 2, seed=s)) for s in (1, 2)]
-    theirs_s, theirs_cpu = time.perf_counter() - begin, time.process_time() - cpu
-both = np.mean(theirs, 0)
-np.savez(os.environ.get("OUT_NPZ", os.devnull), ours=ours, theirs=both) if "OUT_NPZ" in os.environ else None
-a, b = luminance(ours.astype(float)), luminance(both.astype(float))
-half = block_means(theirs[0]) - block_means(theirs[1])
-noise_b = np.abs(half).mean() / 2 / b.mean()
-A, B = block_means(ours), block_means(both)
-noise_a = np.sqrt((sums.standard_error.astype(float) ** 2).mean()) / 3 / b.mean() * np.sqrt(2 / np.pi)
-pixel_noise = (
-    np.abs(luminance(theirs[0].astype(float)) - luminance(theirs[1].astype(float))).mean() / 2 * np.sqrt(np.pi / 2)
-)
-common.head("ours", "Mitsuba", "difference %", "its noise %", "3x3 %", "noise would be %")
-own = np.sqrt((sums.standard_error.astype(float) ** 2).sum()) / a.size / b.mean()
-common.row(a.mean(), b.mean(), 100 * (a.mean() / b.mean() - 1), 100 * own,
-           100 * np.abs(A - B).mean() / b.mean(), 100 * np.hypot(noise_a, noise_b))  # fmt: skip
-common.head("", "samples/s", "samples/CPU s", "noise of a pixel %")
-count = a.size * spp
-common.row("ours", count / ours_s, count / ours_cpu, 100 * sums.standard_error.mean() / a.mean())
-common.row("Mitsuba", count / theirs_s, count / theirs_cpu, 100 * pixel_noise / b.mean())
+
+    def by_mitsuba(spp, seed):
+        return np.asarray(mi.render(theirs_scene, integrator=integrator, spp=spp, seed=seed))
+
+    others = {"Mitsuba": timed(by_mitsuba, spp)}
+    if options.cycles:
+        import cycles_room
+
+        walls = [(room.positions[room.material == k], color) for k, color in enumerate(room.reflectances)]
+        loaded = cycles_room.load(show.simulation.mesh(), walls, shot, SKY, straight, albedo, depth)
+        file = Path(folder) / "cycles.exr"
+        cycles_room.picture(loaded, 1, 9, file)
+        others["Cycles"] = timed(lambda spp, seed: cycles_room.picture(loaded, spp, seed, file), spp)
+
+count = ours[..., 0].size * spp
+a = luminance(ours.astype(float))
+own = np.sqrt((sums.standard_error.astype(float) ** 2).sum()) / a.size / a.mean()
+own_blocks = np.sqrt((sums.standard_error.astype(float) ** 2).mean()) / 3 * np.sqrt(2 / np.pi)
+own_pixel = sums.standard_error.mean() / a.mean()
+common.head("", "ours", "theirs", "difference %", "our noise %", "3x3 %", "noise would be %")
+for name, (halves, _wall, _cpu) in others.items():
+    b = luminance(halves.mean(0).astype(float))
+    blocks = np.abs(block_means(halves[0]) - block_means(halves[1])).mean() / 2
+    apart = np.abs(block_means(ours) - block_means(halves.mean(0))).mean()
+    common.row(name, a.mean(), b.mean(), 100 * (a.mean() / b.mean() - 1), 100 * own,
+               100 * apart / b.mean(), 100 * np.hypot(own_blocks, blocks) / b.mean())  # fmt: skip
+common.head("", "samples/s", "samples/CPU s", "noise of a pixel %", "CPU s a pixel to 1 %")
+rows = {"ours": (own_pixel, ours_s, ours_cpu)}
+for name, (halves, wall, cpu) in others.items():
+    apart = np.abs(luminance(halves[0].astype(float)) - luminance(halves[1].astype(float))).mean()
+    rows[name] = apart / 2 * np.sqrt(np.pi / 2) / luminance(halves.astype(float)).mean(), wall, cpu
+for name, (noise, wall, cpu) in rows.items():
+    common.row(name, count / wall, count / cpu, 100 * noise, cpu / a.size * (100 * noise) ** 2)
