@@ -190,8 +190,7 @@ class CurtainShow:
             "method": self.scene.method, "fabric": self.fabric.name, "frame": self.frame, "triangles": self.triangles.count
         }  # fmt: skip
         if self.scene.method == "path" and self._paths is not None:  # None: only layers were drawn
-            sums = self.paths.tracer.sums()
-            facts |= {"samples": sums.samples, "noise_percent": round(sums.noise, 4)}
+            facts |= self.paths.tracer.sums().facts()
         return facts
 
     def is_built(self, accelerator: str) -> bool:

@@ -187,8 +187,7 @@ class Renderer:
         frame = self._last
         traced = {}
         if frame.scene.method == "path":
-            sums = self._paths.sums()
-            traced = {"samples": sums.samples, "noise_percent": round(sums.noise, 4)}
+            traced = self._paths.sums().facts()
         return {
             "method": frame.scene.method,
             "fabric": ", ".join(dict.fromkeys(cloth.fabric.name for cloth in frame.cloths)),

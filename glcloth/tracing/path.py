@@ -38,6 +38,7 @@ TEXELS = 3  # of passes/tracing/path.comp
 SAMPLES = 64  # of a picture that says neither how many nor how little noise; one sample shows nothing
 MOST_SAMPLES = 1 << 20  # of one that says how little noise
 LEAST_SAMPLES = 16  # before the noise is believed
+BLOCK = 8  # samples, from whose sums the noise is found: samples fill their intervals, and are not independent of each other
 
 
 class PathView(NamedTuple):
@@ -61,13 +62,15 @@ class PathSums:
     Parameters
     ----------
     samples : per pixel
-    light, squares : [H, W, 3], and [H, W] of its luminance squared
+    light : [H, W, 3]
+    squares, begun : [H, W], of blocks of BLOCK samples the luminance of each squared; the luminance of the block begun
     normal, albedo, cover : [H, W, 3], [H, W, 3] and [H, W], of what is seen first
     """
 
     samples: int
     light: np.ndarray
     squares: np.ndarray
+    begun: np.ndarray
     normal: np.ndarray
     albedo: np.ndarray
     cover: np.ndarray
@@ -80,12 +83,17 @@ class PathSums:
 
     @property
     def standard_error(self) -> np.ndarray:
-        """Of the luminance of each pixel [H, W] float32, one standard deviation; infinite for a single sample."""
-        n = self.samples
-        if n < 2:
+        """Of the luminance of each pixel [H, W] float32, one standard deviation; infinite for less than two blocks of samples.
+
+        It is that of independent blocks, whose samples fill their intervals; over all samples they are filled more finely,
+        so that it is rather too large.
+        """
+        blocks = self.samples // BLOCK
+        if blocks < 2:
             return np.full(self.squares.shape, np.inf, np.float32)
-        Y = luminance(self.light.astype(float)) / n
-        return np.sqrt(np.maximum(self.squares / n - Y * Y, 0.0) / (n - 1)).astype(np.float32)
+        Y = (luminance(self.light.astype(float)) - self.begun) / blocks
+        of_a_block = np.maximum(self.squares / blocks - Y * Y, 0.0) * blocks / (blocks - 1)
+        return np.sqrt(of_a_block / (BLOCK * self.samples)).astype(np.float32)
 
     @property
     def noise(self) -> float:
@@ -94,6 +102,10 @@ class PathSums:
         shown = shown if shown.any() else np.ones_like(shown)
         Y = float(luminance(self.light.astype(float))[shown].mean()) / self.samples
         return 100.0 * float(self.standard_error[shown].mean(dtype=float)) / max(Y, 1e-30)
+
+    def facts(self) -> dict[str, Any]:
+        """How far they are, in plain values; None for noise that is not known yet."""
+        return {"samples": self.samples, "noise_percent": round(self.noise, 4) if np.isfinite(self.noise) else None}
 
 
 @dataclass
@@ -269,7 +281,7 @@ class PathTracer:
             while progress.pixels < pixels:
                 begin, part = time.perf_counter(), min(self._part, pixels - progress.pixels)
                 where = {"first_pixel": progress.pixels, "pixel_count": part}
-                which = {"first_sample": progress.samples, "sample_count": count}
+                which = {"first_sample": progress.samples, "sample_count": count, "block": BLOCK}
                 program.run(part, inputs, where, which, Sums=self._sums)
                 self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
                 progress.pixels += part
@@ -302,6 +314,7 @@ class PathTracer:
             max(self.progress.samples, 1),
             data[..., 0, :3].copy(),
             data[..., 0, 3].copy(),
+            data[..., 2, 3].copy(),
             data[..., 1, :3].copy(),
             albedo,
             data[..., 1, 3].copy(),

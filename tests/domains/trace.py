@@ -136,6 +136,12 @@ SPECIAL = {
     ("cell_direction", "height"): choice(32),
     ("cell_direction", "place"): lambda rng, count: rng.random((count, 2)),
     ("hash3", "v"): lambda rng, count: rng.integers(0, 2**32, (count, 3)),
+    **{
+        (name, "index"): lambda rng, count: rng.integers(0, 2**32, count) for name in ("owen_scrambled", "second_index")
+    },
+    ("owen_scrambled", "seed"): lambda rng, count: rng.integers(0, 2**32, count),
+    ("stratified", "index"): lambda rng, count: rng.integers(0, 2**20, count),
+    ("stratified", "key"): lambda rng, count: rng.integers(0, 2**32, (count, 3)),
     ("unit_square", "hash"): lambda rng, count: rng.integers(0, 2**32, (count, 2)),
     ("cosine_direction", "u"): lambda rng, count: rng.random((count, 2)),
     ("facet_direction", "u"): lambda rng, count: 0.999 * rng.random((count, 2)),

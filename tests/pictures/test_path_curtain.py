@@ -192,7 +192,7 @@ def test_a_denoiser_is_told_of_edges_and_of_the_background(monkeypatch):
     monkeypatch.setitem(sys.modules, "pyoidn", SimpleNamespace(denoise=denoise))
     albedo = np.full((1, 3, 3), 0.2, np.float32) * np.array([0.0, 1.0, 2.0], np.float32)[None, :, None]
     light, cover = np.full((1, 3, 3), 4.0, np.float32), np.array([[0.0, 1.0, 2.0]], np.float32)
-    clean = denoised(PathSums(2, light, light[..., 0], np.zeros((1, 3, 3), np.float32), albedo, cover))
+    clean = denoised(PathSums(2, light, light[..., 0], light[..., 0], np.zeros((1, 3, 3), np.float32), albedo, cover))
     (_, first, _, hdr), (alpha, second, _, _) = told
     np.testing.assert_allclose(first[0, :, 0], [1.0, 0.6, 0.2], rtol=1e-6)
     np.testing.assert_array_equal(first, second)
@@ -200,7 +200,9 @@ def test_a_denoiser_is_told_of_edges_and_of_the_background(monkeypatch):
     np.testing.assert_allclose(alpha[0, :, 0], [0.0, 0.5, 1.0])
     np.testing.assert_allclose(clean[0, :, :3], 1.0)
     np.testing.assert_allclose(clean[0, :, 3], [0.0, 0.25, 0.5])
-    whole = denoised(PathSums(2, light, light[..., 0], np.zeros((1, 3, 3), np.float32), albedo, 2.0 * (cover > 0)))
+    whole = denoised(
+        PathSums(2, light, light[..., 0], light[..., 0], np.zeros((1, 3, 3), np.float32), albedo, 2.0 * (cover > 0))
+    )
     np.testing.assert_array_equal(whole[0, :, 3], [0.0, 1.0, 1.0])  # no edge: as it was
 
 

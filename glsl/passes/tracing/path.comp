@@ -4,6 +4,7 @@
 // the surface draws   [Veach 1995]), and paths end by Russian roulette. Defines: SHEER, where cloth lets light through;
 // PICTURES, where there are prints, openings, fabric masks or objects with pictures; CATCHER, where of the ground only the shadow
 // is seen.
+// What is drawn fills its interval evenly over the samples of a pixel, each draw by itself   [Burley 2020].
 // Few samples a dispatch (glcloth/tracing/path.py): loops may end silently after 65,535 iterations.
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
@@ -15,7 +16,7 @@ layout(local_size_x = 64) in;
 #ifdef SHEER
 #include "trace/spread.glsl"
 #endif
-layout(std430) buffer Sums { vec4 sums[]; };  // SUM_TEXELS a pixel: light and its luminance squared; N, cover; albedo, -
+layout(std430) buffer Sums { vec4 sums[]; };  // SUM_TEXELS a pixel: light and, of blocks, its luminance squared; N, cover; albedo, a block's luminance so far
 uniform sampler2D environment_map;  // behind all
 uniform mat3 map_from_world;
 uniform bool background;
@@ -24,6 +25,7 @@ uniform int first_pixel;
 uniform int pixel_count;
 uniform int first_sample;
 uniform int sample_count;
+uniform int block;                  // samples, whose sums are more nearly independent of each other than samples are
 uniform int most_vertices;          // surfaces on the way that scatter; what they send to the next ones is lost
 uniform mat3 ray_from_pixel;
 uniform mat3 origin_from_pixel;
@@ -45,11 +47,11 @@ const float SURVIVAL = 0.95;        // at most
 const float LEAST_REFLECTED = 0.02;  // of the draws at a sheet
 const float DARK = 1e-7;            // of the light is not worth a ray
 
-uvec3 state;
+uvec3 state;                        // pixel, sample, draws so far
 
 vec3 rnd() {
     state.z += 1u;
-    return vec3(hash3(state) >> 8u) / 16777216.0;
+    return stratified(state.y, hash3(uvec3(state.x, 0u, state.z)));
 }
 
 struct Path {
@@ -443,19 +445,24 @@ void main() {
     if (i >= pixel_count) return;
     i += first_pixel;
     ivec2 pixel = ivec2(i % size.x, i / size.x);
-    vec4 light = vec4(0.0), look = vec4(0.0), albedo = vec4(0.0);
+    vec4 light = vec4(0.0), look = vec4(0.0);
+    vec4 albedo = vec4(vec3(0.0), sums[SUM_TEXELS * i + 2].w);
     int n = first_sample;
     do {
         state = uvec3(uint(i), uint(n), 0u);
         Sample one = sample_of(pixel);
         bool good = !any(isnan(one.L)) && !any(isinf(one.L));
         one.L = good ? one.L : vec3(0.0);
-        float Y = luminance(one.L);
-        light += vec4(one.L, Y * Y);
+        albedo.w += luminance(one.L);
+        light += vec4(one.L, 0.0);
+        if ((n + 1) % block == 0) {
+            light.w += albedo.w * albedo.w;
+            albedo.w = 0.0;
+        }
         look += vec4(one.N, one.cover);
         albedo.rgb += one.albedo;
     } while (++n < first_sample + sample_count);
     sums[SUM_TEXELS * i] += light;
     sums[SUM_TEXELS * i + 1] += look;
-    sums[SUM_TEXELS * i + 2] += albedo;
+    sums[SUM_TEXELS * i + 2] = vec4(sums[SUM_TEXELS * i + 2].rgb + albedo.rgb, albedo.w);
 }
