@@ -154,6 +154,8 @@ def read_text(path: str | Path, expected: str, most: int = MOST_TEXT) -> str:
         if len(data) > most:
             raise InputError(f"{path}: is larger than {most / 1e6:.0f} MB, more than is read; expected {expected}")
         return data.decode("utf-8")
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; expected {expected}") from None
     except OSError as error:

@@ -52,6 +52,8 @@ def load_draft(path: str | Path) -> Draft:
     shaft above Shafts, text where a number belongs, more than 4 MB, 16384 threads a side or a repeat of 2^20 crossings.
     """
     path = Path(path)
+    if path.exists() and not path.is_file():
+        raise InputError(one_line(f"{_short(path)}: is a folder, a pipe or a device; expected a draft (.wif)"))
     try:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)
