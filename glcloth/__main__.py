@@ -23,7 +23,7 @@ def main() -> None:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         # Where Ctrl-C met code that is made from text, such as a named tuple's, `python -m` would end by the signal in place
         # of our exit code; it forgets that with the next such code.
-        exec("")  # noqa: S102
+        exec("")
 
 
 if __name__ == "__main__":

@@ -209,3 +209,12 @@ def test_ctrl_c_after_the_last_line_changes_nothing():
     late += "sys.late = Late()\nsys.argv = ['glcloth', '--version']\nfrom glcloth.__main__ import main\nmain()\n"
     done = subprocess.run([sys.executable, "-c", late], capture_output=True, text=True)
     assert done.returncode == 0 and done.stdout.strip() and not done.stderr, done
+
+
+def test_ctrl_c_in_code_from_text_does_not_outlive_it(tmp_path):
+    """Named tuples are such code; after it `python -m` would end by the signal, whatever our exit code is."""
+    early = "import sys\ntry:\n    exec('raise KeyboardInterrupt')\nexcept KeyboardInterrupt:\n    pass\n"
+    early += "sys.argv = ['glcloth', '--version']\nfrom glcloth.__main__ import main\nmain()\n"
+    (tmp_path / "early.py").write_text(early)
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    assert subprocess.run([sys.executable, "-m", "early"], capture_output=True, env=env).returncode == 0
