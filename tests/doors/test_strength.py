@@ -213,8 +213,10 @@ def test_ctrl_c_after_the_last_line_changes_nothing():
 
 def test_ctrl_c_in_code_from_text_does_not_outlive_it(tmp_path):
     """Named tuples are such code; after it `python -m` would end by the signal, whatever our exit code is."""
-    early = "import sys\ntry:\n    exec('raise KeyboardInterrupt')\nexcept KeyboardInterrupt:\n    pass\n"
-    early += "sys.argv = ['glcloth', '--version']\nfrom glcloth.__main__ import main\nmain()\n"
-    (tmp_path / "early.py").write_text(early)
+    text = "import sys, glcloth.cli\nfrom glcloth.__main__ import main\n"
+    text += "def run():\n    exec('raise KeyboardInterrupt')\n"
+    text += "glcloth.cli.app = lambda *_, **__: run()\nsys.argv = ['glcloth', 'info']\nmain()\n"
+    (tmp_path / "stopped.py").write_text(text)
     env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
-    assert subprocess.run([sys.executable, "-m", "early"], capture_output=True, env=env).returncode == 0
+    done = subprocess.run([sys.executable, "-m", "stopped"], capture_output=True, text=True, env=env)
+    assert done.returncode == 130 and done.stderr == "glcloth: stopped; nothing was left half-written\n"
