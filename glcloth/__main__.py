@@ -21,6 +21,9 @@ def main() -> None:
     finally:
         # All is said and done. Python itself would end without a word if Ctrl-C came while it tidies up.
         signal.signal(signal.SIGINT, signal.SIG_IGN)
+        # Where Ctrl-C met code that is made from text, such as a named tuple's, `python -m` would end by the signal in place
+        # of our exit code; it forgets that with the next such code.
+        exec("")
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ from __future__ import annotations
 import difflib
 import types
 from dataclasses import dataclass
+from pathlib import PurePath
 from typing import Annotated, Any, Literal, Self, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -49,6 +50,12 @@ class Value(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _named(cls, data: Any) -> Any:
+        """Paths are names: as text, also in lists and tables."""
+        return {name: _as_names(value) for name, value in data.items()} if isinstance(data, dict) else data
+
     @model_validator(mode="after")
     def _in_single_precision(self) -> Self:
         """Shaders square numbers in single precision."""
@@ -76,6 +83,17 @@ class Value(BaseModel):
         """As `changed`: pydantic's own copy would keep what was derived from the replaced fields."""
         return self.changed(**(update or {}))
 
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        """As notebooks show it: what was said of it, on as many lines as that takes."""
+        kind = type(self).__name__
+        with printer.group(len(kind) + 1, f"{kind}(", ")"):
+            for number, name in enumerate(name for name in type(self).model_fields if name in self.model_fields_set):
+                if number:
+                    printer.text(",")
+                    printer.breakable()
+                printer.text(f"{name}=")
+                printer.pretty(getattr(self, name))
+
     def _fields(self) -> tuple:
         return tuple(getattr(self, name) for name in type(self).model_fields)
 
@@ -88,6 +106,17 @@ class Value(BaseModel):
     def __hash__(self) -> int:
         values = (frozenset(v.items()) if isinstance(v, dict) else v for v in self._fields())
         return hash((type(self), tuple(values)))
+
+
+def _as_names(value: Any) -> Any:
+    """A value whose paths are text."""
+    if isinstance(value, PurePath):
+        return str(value)
+    if isinstance(value, list | tuple) and any(isinstance(part, PurePath) for part in value):
+        return [_as_names(part) for part in value]
+    if isinstance(value, dict) and any(isinstance(part, PurePath) for part in value.values()):
+        return {name: _as_names(part) for name, part in value.items()}
+    return value
 
 
 # -- the description of a field ------------------------------------------------------------------------------------------

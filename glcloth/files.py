@@ -31,9 +31,21 @@ def cache_dir() -> Path:
 def path_of(name: str | Path) -> Path:
     """The path that a name of the user means. Raises InputError for one that no file can have."""
     path = Path(name)
-    if "\0" in str(name) or any(len(part.encode("utf-8", "replace")) > 255 for part in path.parts):
+    try:
+        encoded = os.fsencode(path)
+    except UnicodeEncodeError:
+        encoded = b"\0"
+    if b"\0" in encoded or len(encoded) > 4095 or any(len(part) > 255 for part in encoded.split(b"/")):
         raise InputError(f"{name}: no file can have such a name; expected a file or a built-in name")
     return path
+
+
+def typed_path(text: str) -> Path:
+    """The path that someone types, where ~ is a user's folder. Raises InputError."""
+    try:
+        return path_of(text).expanduser()
+    except RuntimeError:
+        raise InputError(f"{text}: there is no such user's folder; give the whole path") from None
 
 
 def is_file(name: str | Path) -> bool:
@@ -49,7 +61,7 @@ def check_writable(path: str | Path) -> Path:
 
     Raises InputError when the folder is missing or not writable, or when `path` is a folder, a pipe or a device.
     """
-    path = Path(path)
+    path = path_of(path)
     if path.is_dir():
         raise InputError(f"{path}: is a folder, expected a file name; give a name such as {path / 'picture.png'}")
     if not path.parent.is_dir():
@@ -75,7 +87,7 @@ def atomic_write(path: str | Path) -> Iterator[Path]:
     A file that is written over keeps its permissions and its owner; a symbolic link stays, and its target is written.
     The temporary name keeps the suffix, because image and mesh libraries choose the format by it.
     """
-    given, path = path, Path(os.path.realpath(path))
+    given, path = path, Path(os.path.realpath(path_of(path)))
     try:
         check_writable(path)
         temporary = _temporary(path)
@@ -154,6 +166,8 @@ def read_text(path: str | Path, expected: str, most: int = MOST_TEXT) -> str:
         if len(data) > most:
             raise InputError(f"{path}: is larger than {most / 1e6:.0f} MB, more than is read; expected {expected}")
         return data.decode("utf-8")
+    except InputError:
+        raise
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; expected {expected}") from None
     except OSError as error:

@@ -175,7 +175,8 @@ def _existing(path: str | Path, suffixes: tuple[str, ...]) -> Path:
     if path.is_dir():
         raise InputError(f"{path}: is a folder, expected a picture ({', '.join(suffixes)})")
     if not path.is_file():
-        raise InputError(f"{path}: no such file, expected a picture ({', '.join(suffixes)}); check the name")
+        what = "is a pipe or a device" if path.exists() else "no such file"
+        raise InputError(f"{path}: {what}, expected a picture ({', '.join(suffixes)}); check the name")
     if path.suffix.lower() not in suffixes:
         raise InputError(
             f"{path}: cannot read {path.suffix or 'a file without suffix'}, expected {', '.join(suffixes)}"
@@ -238,7 +239,7 @@ def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool, laye
 def _with_pillow(source: Path | bytes, use):
     from PIL import Image
 
-    path = source if isinstance(source, Path) else "a picture in the file"
+    path = _existing(source, READABLE) if isinstance(source, Path) else "a picture in the file"
 
     try:
         with warnings.catch_warnings():

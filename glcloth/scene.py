@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import math
+import os
 import shlex
 from collections.abc import Callable
 from functools import partial
@@ -662,7 +663,7 @@ def _from(folder: Path, name: str) -> str:
     """A path as a file in `folder` holds it: relative to it where it lies below, else whole."""
     if not _is_path(name):
         return name
-    path = Path(name).resolve()
+    path = Path(os.path.realpath(name))
     return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else str(path)
 
 
@@ -729,6 +730,6 @@ def save_scene(path: str | Path, scene: Scene, comment: str = "") -> None:
     # A curtain that does not say its frame begins in the window where its wind does.
     unsaid = {"frame"} - scene.model_fields_set
     data = scene.model_dump(mode="json", exclude_none=True, exclude=unsaid)
-    data = _with_paths(data, partial(_from, Path(path).resolve().parent))
+    data = _with_paths(data, partial(_from, Path(os.path.realpath(path_of(path))).parent))
     with atomic_write(path) as temporary:
         temporary.write_text(comment + tomli_w.dumps(data), encoding="utf-8")

@@ -1,14 +1,22 @@
 """Small files of every format that glcloth reads, made here, and ways to damage them: for tests/doors/test_fuzz.py and
 tests/measure/fuzz.py."""
 
+import base64
+import datetime
+import json
+import math
 import re
 import struct
+import tomllib
+import zipfile
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+import tomli_w
 from PIL import Image
 
 from glcloth import load_fabric
@@ -17,13 +25,18 @@ from glcloth.errors import InputError
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh, load_solid, save_mesh
 from glcloth.image import read_image, write_image
+from glcloth.kept import keep, read_kept
 from glcloth.light.environment import load_environment
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.light.lights_file import load_lights, save_lights
 from glcloth.methods.paper import tables
 from glcloth.picture.frame import Frames
-from glcloth.scene import Scene, header, load_scene
-from glcloth.weave.wif import load_draft
+from glcloth.picture.masks import load_mask
+from glcloth.picture.openings import load_opacity
+from glcloth.picture.prints import load_print
+from glcloth.scene import FabricMaskMap, OpacityMap, PrintMap, Scene, header, load_scene
+from glcloth.weave.named import named_draft
+from glcloth.weave.wif import draft_text, load_draft
 
 HUGE = [5000 * "9", "0x" + 5000 * "f"]
 NUMBERS = [*"nan inf -inf 1e400 1e39 -1e39 1e-320 0 -1 -0.0 65536 4294967296 1e308".split(), *HUGE]
@@ -59,13 +72,96 @@ VALUES = [
 ]
 BYTES = [0, 0x7F, 0x80, 0xFF, 0x1B, 0x0A]
 LONGS = [0, 1, 0x7FFFFFFF, 0x80000000, 0xFFFFFFFF, 0x10000, 0x7FC00000, 0x7F800000]
-KINDS = ("flip", "byte", "long", "cut", "drop", "double", "insert", "number", "word", "value", "line")
+# What a value of a table may become; the text stays TOML or JSON, so that the fault reaches what is behind the parser.
+LEAVES: list = [
+    *(
+        math.nan,
+        math.inf,
+        -math.inf,
+        0,
+        -1,
+        1,
+        2,
+        7,
+        0.5,
+        1e39,
+        -1e39,
+        1e308,
+        1e-320,
+        -0.0,
+        2**31,
+        2**63,
+        10**400,
+        1e9,
+        65536,
+    ),
+    *(
+        True,
+        False,
+        "",
+        "x",
+        "nan",
+        "1e400",
+        "auto",
+        "off",
+        "linen",
+        "m.png",
+        "a.toml",
+        "#ff0000",
+        "#gggggg",
+        "1,2,3",
+        "nan,0,0",
+    ),
+    *(
+        "/dev/zero",
+        "/dev/full",
+        "/",
+        ".",
+        "..",
+        "../../x.png",
+        "sky@1,2",
+        "m.png@nan,0,0",
+        "*",
+        "?",
+        "[",
+        "1x1",
+        "plane@0,0,0,1,1,1",
+    ),
+    *(word for word in WORDS if "\ud800" not in word),
+    *(
+        [],
+        [1],
+        ["a"],
+        [[1]],
+        {},
+        {"a": 1},
+        [0, 0, 0],
+        [-1, -1, -1],
+        [math.nan] * 3,
+        [1e39] * 3,
+        [math.inf, 0, 0],
+        999 * [1],
+    ),
+    *(
+        [1, 2],
+        [1, 2, 3, 4],
+        [[0, 1], [1, 0]],
+        [True, False],
+        {"file": "m.png"},
+        {"file": 5},
+        {"": 1},
+        datetime.date(1979, 5, 27),
+    ),
+]
+KINDS = ("leaf", "flip", "byte", "long", "cut", "drop", "double", "insert", "number", "word", "value", "line")
 NUMBER, WORD, VALUE = rb"-?\d+(?:\.\d+)?(?:e-?\d+)?", rb'"[^"\n]*"', rb"(?<=[=:]) *[^\n]+"
 
 
 def edit(data: bytes, kind: str, at: float, choice: int) -> bytes:
     """`data` with one fault; `at` from 0 to 1 says where, `choice` which."""
     place = min(int(at * len(data)), len(data) - 1)
+    if kind == "leaf":
+        return _other_leaf(data, at, choice)
     if kind in ("number", "word", "value"):
         pattern, texts = {"number": (NUMBER, NUMBERS), "word": (WORD, WORDS), "value": (VALUE, VALUES)}[kind]
         found = list(re.finditer(pattern, data))
@@ -93,6 +189,43 @@ def edit(data: bytes, kind: str, at: float, choice: int) -> bytes:
     }[kind]()
 
 
+def _other_leaf(data: bytes, at: float, choice: int) -> bytes:
+    """A TOML or JSON text with another value in one place, or one key less, or under another name; other data as they are."""
+    try:
+        tree, back = tomllib.loads(data.decode()), tomli_w.dumps
+    except (ValueError, RecursionError):
+        try:
+            tree, back = json.loads(data), partial(json.dumps, default=str)
+        except (ValueError, RecursionError):
+            return data
+    places = list(_places(tree))
+    if not places:
+        return data
+    parent, key = places[min(int(at * len(places)), len(places) - 1)]
+    way, choice = choice % 8, choice // 8
+    value = parent[key]
+    names = [name for _, name in places if isinstance(name, str)] or ["a"]
+    if way == 0:
+        del parent[key]
+    elif way == 1 and isinstance(parent, dict):
+        parent[names[choice % len(names)]] = value
+    elif way == 2 and type(value) in (int, float):
+        parent[key] = value * (-1, 2, 10, 0.1, 1000, 1e6)[choice % 6]
+    else:
+        parent[key] = LEAVES[choice % len(LEAVES)]
+    try:
+        return back(tree).encode("utf-8", "surrogatepass")
+    except (TypeError, ValueError, RecursionError):
+        return data
+
+
+def _places(tree: object) -> Iterator[tuple]:
+    """(table or list, key or number) of every value within a tree."""
+    for key, value in tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ():
+        yield tree, key
+        yield from _places(value)
+
+
 def damaged(data: bytes, edits: list[tuple[str, float, int]], mend: Callable[[bytes], bytes] | None = None) -> bytes:
     """`data` with several faults; `mend` puts check sums right again, so that the faults reach what is behind them."""
     for one in edits:
@@ -100,9 +233,9 @@ def damaged(data: bytes, edits: list[tuple[str, float, int]], mend: Callable[[by
     return data if mend is None else mend(data)
 
 
-def random_edits(rng) -> list[tuple[str, float, int]]:
+def random_edits(rng, kinds: tuple[str, ...] = KINDS) -> list[tuple[str, float, int]]:
     """Edits of a random.Random."""
-    return [(rng.choice(KINDS), rng.random(), rng.randrange(1 << 16)) for _ in range(rng.choice((1, 1, 1, 2, 3, 6)))]
+    return [(rng.choice(kinds), rng.random(), rng.randrange(1 << 16)) for _ in range(rng.choice((1, 1, 1, 2, 3, 6)))]
 
 
 def mended_png(data: bytes) -> bytes:
@@ -117,11 +250,13 @@ def mended_png(data: bytes) -> bytes:
 
 
 class Format(NamedTuple):
-    """A format: `make(folder)` returns sound files; `read(path)` reads one as the doors do; `mend` as in `damaged`."""
+    """A format: `make(folder)` returns sound files; `read(path)` reads one as the doors do; `mend` as in `damaged`; `tree`: it is
+    TOML or JSON."""
 
     make: Callable[[Path], list[Path]]
     read: Callable[[Path], object]
     mend: Callable[[bytes], bytes] | None = None
+    tree: bool = False
 
 
 def _grid(suffix: str) -> Callable[[Path], list[Path]]:
@@ -177,6 +312,15 @@ def _read_scene(path: Path) -> object:
 
 
 FRAMES = Frames()
+
+
+def _read_new_scene(path: Path) -> object:
+    """Also what its names mean: fabrics, maps and cameras."""
+    scene = load_scene(path)
+    if scene.curtain is not None:
+        return [load_fabric(one) for one in (scene.fabric, scene.curtain.behind) if one]
+    small = scene.subdivide <= 1 and (scene.lobes == 1 or scene.lights)
+    return FRAMES.make(scene) if small else scene
 
 
 def _picture(suffix: str) -> Callable[[Path], list[Path]]:
@@ -263,12 +407,135 @@ def _read_tables(path: Path) -> object:
     return found
 
 
+def _new_scene(folder: Path) -> list[Path]:
+    """Of cloth with prints, openings, masks, parts and bookmarks; of a pair of curtains before a third."""
+    Image.fromarray(np.uint8([[[255, 0, 0], [0, 255, 0]], [[0, 0, 255], [9, 9, 9]]])).save(folder / "m.png")
+    save_mesh(
+        folder / "m.obj", build_mesh("m", [[0, 0, 0], [1, 0, 0], [0, 0, 1]], [[0, 1, 2]], [[0, 0], [1, 0], [0, 1]])
+    )
+    cloth = 'mesh = "m.obj"\nlobes = 1\nenv = "studio"\nsubdivide = 1\nuv_scale = 0.5\nthreads = true\n'
+    cloth += 'shade = "auto"\nnoise = 0.0\n'
+    cloth += (
+        'units = "m"\nground = "catcher"\nobjects = ["plane@0,0,0.5,1.5,30"]\nenv_layout = "auto"\nsize = [32, 24]\n'
+    )
+    cloth += '[fabrics]\n"#ff0000" = "linen"\nm = "velvet"\n[print]\nfile = "m.png"\nrepeat = 0.5\nunit = "uv"\n'
+    cloth += '[opacities.m]\nfile = "m.png"\nrepeat = 2.0\nunit = "m"\n[fabric_mask]\nfile = "m.png"\n[camera]\nview = "side"\n'
+    cloth += '[[bookmarks]]\nname = "near"\n[bookmarks.camera]\neye = [0.0, 1.0, 3.0]\northo = 0.5\naperture = 0.01\n'
+    curtain = (
+        'fabric = "sheer_voile"\ngi = "photons"\nphotons = 4000\nphoton_neighbours = 100\nsun = "map"\nspread = true\n'
+    )
+    curtain += (
+        'accelerator = "kdtree_median"\nmethod = "trace"\nframe = 3\nambient = [0.1, 0.1, 0.1]\n[curtain]\nopen = 0.5\n'
+    )
+    curtain += 'behind = "blackout"\nbehind_open = 0.3\nbehind_color = "crimson"\ncolor = [0.1, 0.2, 0.3]\nheading = "pencil"\n'
+    curtain += (
+        "width = 1.5\ndrop = 1.2\nfullness = 2.0\nbending = 0.0001\nwind = -1.5\nbehind_mass = 0.1\nsettle = 1.0\n"
+    )
+    (folder / "a.toml").write_text(cloth)
+    (folder / "b.toml").write_text(curtain)
+    return [folder / "a.toml", folder / "b.toml"]
+
+
+def _weave(folder: Path) -> list[Path]:
+    """Fabrics whose geometry follows from a [weave]: hairs, holes, figures, colours, a curve's tangents."""
+    source, out = Path(load_fabric.__code__.co_filename).parent / "fabrics", []
+    for name in ("flannel", "lace", "damask", "tartan", "denim_raw"):
+        out.append(folder / f"{name}.toml")
+        out[-1].write_bytes((source / f"{name}.toml").read_bytes())
+    return out
+
+
+def _map(suffix: str) -> Callable[[Path], list[Path]]:
+    def make(folder: Path) -> list[Path]:
+        codes = np.arange(4 * 8 * 4, dtype=np.uint8).reshape(4, 8, 4)
+        path = folder / f"a{suffix}"
+        if suffix == ".exr":
+            return [write_image(path, codes / 255.0)]
+        Image.fromarray(codes if suffix == ".png" else codes[..., :3]).save(path)
+        if suffix == ".jpg":
+            return [path]
+        Image.fromarray(codes[..., 0]).convert("P").save(folder / "b.png")
+        Image.fromarray(codes[..., 0].astype(np.uint16) * 257).save(folder / "c.png")
+        return [path, folder / "b.png", folder / "c.png"]
+
+    return make
+
+
+def _read_map(path: Path) -> object:
+    """As a mask, an opacity and a print: all three must be heard."""
+    first = None
+    for load, entry in ((load_mask, FabricMaskMap), (load_opacity, OpacityMap), (load_print, PrintMap)):
+        try:
+            got = load(entry(file=str(path), repeat=0.5, unit="m"))
+            values = [v for v in vars(got).values() if isinstance(v, np.ndarray)]
+            assert all(np.isfinite(v).all() for v in values)
+            if load is load_mask:
+                got.numbers(["#ff0000", "#010203"]), got.common()
+        except InputError as error:
+            first = first or error
+    if first is not None:
+        raise first
+    return None
+
+
+def _off(folder: Path) -> list[Path]:
+    (folder / "a.off").write_text("OFF\n4 2 0\n0 0 0\n1 0 0\n1 0 1\n0 0 1\n3 0 1 2 255 0 0\n3 0 2 3\n")
+    return [folder / "a.off"]
+
+
+def _gltf(folder: Path) -> list[Path]:
+    """A GLB's text by itself, with its bytes in it."""
+    (glb,) = _grid(".glb")(folder)
+    data = glb.read_bytes()
+    glb.unlink()
+    (length,) = struct.unpack_from("<I", data, 12)
+    tree = json.loads(data[20 : 20 + length])
+    binary = base64.b64encode(data[28 + length :]).decode()
+    tree["buffers"][0]["uri"] = f"data:application/octet-stream;base64,{binary}"
+    (folder / "a.gltf").write_text(json.dumps(tree, indent=1))
+    return [folder / "a.gltf"]
+
+
+DTX = "@@StartDTX\n@@Description\nA\n@@Info\n%%ends 4\n%%picks 4\n%%shafts 2\n%%treadles 2\n@@Threading\n1 2 1 2\n@@Tieup\n01\n"
+DTX += "10\n@@Treadling\n1 2 1 2\n@@Color Palet\n200,10,10\n20,20,20\n@@Warp Colors\n0 0 0 0\n@@Weft Colors\n1 1 1 1\n@@EndDTX\n"
+
+
+def _drafts(folder: Path) -> list[Path]:
+    """TempoWeave's, and where the extra `drafts` is installed Fiberworks' and WeavePoint's."""
+    with zipfile.ZipFile(folder / "a.twa", "w") as archive:
+        archive.writestr("twamain.waf", draft_text(named_draft("twill_2_2")))
+    out = [folder / "a.twa"]
+    try:
+        import dtx_to_wif  # noqa: F401
+    except ImportError:
+        return out
+    numbers = lambda *values: struct.pack(">H", len(values)) + bytes(values)  # noqa: E731
+    wpo = bytes([123, 7, 101, 10, 4, 4, 0, 0, 0, 40, 20, 0, 0]) + struct.pack(">HH", 4, 4) + bytes(7)
+    wpo += numbers(1, 2, 3, 4) + numbers(0, 0, 0, 0) + numbers(1, 1, 1, 1) + bytes([3, 6, 12, 9])
+    wpo += numbers(1, 2, 3, 4) + bytes(66) + bytes([2, 255, 0, 0, 0, 0, 255])
+    (folder / "b.dtx").write_text(DTX)
+    (folder / "c.wpo").write_bytes(wpo)
+    return [*out, folder / "b.dtx", folder / "c.wpo"]
+
+
+def _kept(folder: Path) -> list[Path]:
+    keep(folder / "a.npz", np.linspace(0, 1, 60, dtype=np.float32).reshape(4, 5, 3))
+    return [folder / "a.npz"]
+
+
+def _read_kept(path: Path) -> object:
+    """What is kept is as it was written, or none."""
+    found, sound = (read_kept(one, (4, 5, 3), 10.0) for one in (path, path.parent / "sound" / path.name))
+    assert sound is not None and (found is None or np.array_equal(found, sound))
+    return found
+
+
 FORMATS = {
-    "scene": Format(_scene, _read_scene),
-    "fabric": Format(_fabric, _read_fabric),
+    "scene": Format(_scene, _read_scene, tree=True),
+    "fabric": Format(_fabric, _read_fabric, tree=True),
     "wif": Format(_wif, load_draft),
-    "lights.json": Format(_lights(".json"), load_lights),
-    "lights.toml": Format(_lights(".toml"), load_lights),
+    "lights.json": Format(_lights(".json"), load_lights, tree=True),
+    "lights.toml": Format(_lights(".toml"), load_lights, tree=True),
     "png": Format(_picture(".png"), _read_picture, mended_png),
     "exr": Format(_picture(".exr"), _read_picture),
     "hdr": Format(_hdr, _read_picture),
@@ -280,6 +547,15 @@ FORMATS = {
     "glb": Format(_grid(".glb"), load_solid),
     "stl": Format(_stl, load_mesh),
     "tables": Format(_tables, _read_tables),
+    "new scene": Format(_new_scene, _read_new_scene, tree=True),
+    "weave": Format(_weave, _read_fabric, tree=True),
+    "map png": Format(_map(".png"), _read_map, mended_png),
+    "map jpg": Format(_map(".jpg"), _read_map),
+    "map exr": Format(_map(".exr"), _read_map),
+    "off": Format(_off, load_solid),
+    "gltf": Format(_gltf, load_solid, tree=True),
+    "drafts": Format(_drafts, load_draft),
+    "kept": Format(_kept, _read_kept),
 }
 
 

@@ -149,6 +149,8 @@ def scene_options() -> str:
         "",
         "from cyclopts import Parameter",
         "",
+        "from .common import whole",
+        "",
         "",
         '@Parameter(name="*")',
         "@dataclass",
@@ -163,7 +165,7 @@ def scene_options() -> str:
                 kind = "list[str]" if several else _type(model.model_fields[entry.name].annotation)
                 named = several or entry.option != "--" + entry.name.replace("_", "-")
                 name = f'name="{entry.option}", ' if named else ""
-                name += 'negative="", ' if several else ""
+                name += 'negative="", ' if several else "converter=whole, " if kind == "int" else ""
                 text = _help(entry, "curtain" if model is CurtainParameters else entry.of)
                 lines.append(f'    {entry.name}: Annotated[{kind} | None, Parameter({name}help="{text}")] = None')
     for name, of_map in (("print", PrintMap), ("opacity", OpacityMap), ("fabric_mask", FabricMaskMap)):

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from ..errors import InputError
 from ..files import check_writable
-from .common import Json, output_option, tell
+from .common import Json, output_option, tell, whole
 
 
 def env(
@@ -59,7 +59,7 @@ def env(
 
 def tables(
     *fabrics: str,
-    grid: Annotated[int, Parameter(help="Directions per axis.")] = 48,
+    grid: Annotated[int, Parameter(converter=whole, help="Directions per axis.")] = 48,
     contribution: Annotated[float, Parameter(help="Share of the sum of singular values to keep.")] = 0.9,
     output: Annotated[Path | None, output_option("Folder for the tables; default: the cache.")] = None,
     json: Json = False,

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 
 from ..errors import InputError
 from ..progress import track
-from .common import tell
+from .common import tell, whole
 
 if TYPE_CHECKING:
     from ..farm.film import Film
@@ -26,7 +26,9 @@ if TYPE_CHECKING:
 class Many:
     """Who makes the pictures, and which."""
 
-    workers: Annotated[int | None, Parameter(help="Processes on this machine that share the pictures.")] = None
+    workers: Annotated[
+        int | None, Parameter(converter=whole, help="Processes on this machine that share the pictures.")
+    ] = None
     cluster: Annotated[str | None, Parameter(help="Address of a Dask scheduler whose workers share them.")] = None
     only: Annotated[str | None, Parameter(help="Numbers of those to render, such as 5, 0-9 or 3,7,12-20.")] = None
     resume: Annotated[bool, Parameter(negative="", help="Keep the pictures that are there; render the others.")] = False

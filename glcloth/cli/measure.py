@@ -12,7 +12,7 @@ from cyclopts import App, Parameter
 
 from ..errors import InputError, NoOpenGLError
 from ..progress import show
-from .common import Device, Json, output_option, tell
+from .common import Device, Json, output_option, tell, whole
 from .options import SceneOptions, scene_of
 
 
@@ -112,6 +112,7 @@ def check(*, device: Device = None, json: Json = False) -> None:
 CpuThreads = Annotated[
     int | None,
     Parameter(
+        converter=whole,
         name="--cpu-threads",
         help="Threads of Mesa's software renderer and of numerical libraries; default: as LP_NUM_THREADS and these choose.",
     ),
@@ -139,7 +140,7 @@ bench = App(name="bench", help="Measure on the built-in scenes.", help_format="p
 @bench.command(name="cloth")
 def bench_cloth(
     *,
-    frames: Annotated[int, Parameter(help="Frames per method; the median is reported.")] = 5,
+    frames: Annotated[int, Parameter(converter=whole, help="Frames per method; the median is reported.")] = 5,
     methods: Annotated[str, Parameter(help="Comma-separated: direct, paper, reference.")] = "direct,paper,reference",
     options: SceneOptions | None = None,
     device: Device = None,
@@ -160,7 +161,7 @@ def bench_cloth(
 @bench.command(name="tables")
 def bench_tables(
     *fabrics: str,
-    grid: Annotated[int, Parameter(help="Directions per axis.")] = 48,
+    grid: Annotated[int, Parameter(converter=whole, help="Directions per axis.")] = 48,
     contribution: Annotated[float, Parameter(help="Share of the sum of singular values to keep.")] = 0.9,
     cpu_threads: CpuThreads = None,
     json: Json = False,
@@ -182,8 +183,10 @@ def bench_tables(
 @bench.command(name="curtain")
 def bench_curtain(
     *,
-    frames: Annotated[int, Parameter(help="Animated frames; medians are reported.")] = 60,
-    triangles: Annotated[int, Parameter(help="About how many triangles, room and curtain together.")] = 12786,
+    frames: Annotated[int, Parameter(converter=whole, help="Animated frames; medians are reported.")] = 60,
+    triangles: Annotated[
+        int, Parameter(converter=whole, help="About how many triangles, room and curtain together.")
+    ] = 12786,
     options: SceneOptions | None = None,
     device: Device = None,
     cpu_threads: CpuThreads = None,

@@ -19,7 +19,7 @@ def scene_of(name: str | None, options: SceneOptions | None = None, **changes: A
 
     given = {} if options is None else {field.name: getattr(options, field.name) for field in fields(options)}
     changes = {key: value for key, value in {**given, **changes}.items() if value is not None}
-    scene = with_options(load_scene(name) if name else Scene(), changes)
+    scene = with_options(Scene() if name is None else load_scene(name), changes)
     if scene.camera.aperture > 0.0 and scene.spp == 1:
         warn(
             f"aperture {scene.camera.aperture:g}: with one sample per pixel everything is sharp; give --spp 16 or more"

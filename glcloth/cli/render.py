@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from cyclopts import Parameter
 
 from ..errors import InputError
-from .common import Device, Json, output_option, tell
+from .common import Device, Json, output_option, tell, whole
 from .options import SceneOptions, scene_of
 
 if TYPE_CHECKING:
@@ -26,7 +26,10 @@ def render(
     output: Annotated[Path, output_option("Picture to write, .png or .exr.")],
     options: SceneOptions | None = None,
     frame: Annotated[
-        int | None, Parameter(help="Frame of the moving curtain; default: that of the picture given as scene, or 48.")
+        int | None,
+        Parameter(
+            converter=whole, help="Frame of the moving curtain; default: that of the picture given as scene, or 48."
+        ),
     ] = None,
     show_tree: Annotated[
         str | None,
@@ -115,7 +118,10 @@ def view(
         Parameter(negative="", help="Reload shaders, fabric, mesh, environment and scene when their files change."),
     ] = False,
     http: Annotated[
-        int | None, Parameter(help="Serve it to a browser on this port instead, 0: a free one; the address is printed.")
+        int | None,
+        Parameter(
+            converter=whole, help="Serve it to a browser on this port instead, 0: a free one; the address is printed."
+        ),
     ] = None,
     host: Annotated[
         str | None,

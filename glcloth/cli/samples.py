@@ -10,7 +10,7 @@ from cyclopts import Parameter
 
 from ..errors import InputError
 from ..progress import say, track
-from .common import Device, Json, tell
+from .common import Device, Json, tell, whole
 
 FABRIC, DRAFT, MESH, MAP, PRINT, MASK = "mine.toml", "denim.wif", "dress.glb", "studio.exr", "roses.png", "dots.png"
 POSES = "poses/%04d.ply"
@@ -20,7 +20,7 @@ def samples(
     folder: Path = Path("."),
     /,
     *,
-    poses: Annotated[int, Parameter(help="Poses of a cloth in the wind, 24 a second; 0: none.")] = 12,
+    poses: Annotated[int, Parameter(converter=whole, help="Poses of a cloth in the wind, 24 a second; 0: none.")] = 12,
     wind: Annotated[float, Parameter(help="Wind of the poses, m/s.")] = 1.5,
     device: Device = None,
     json: Json = False,

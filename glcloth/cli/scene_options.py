@@ -7,6 +7,8 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
+from .common import whole
+
 
 @Parameter(name="*")
 @dataclass
@@ -17,7 +19,7 @@ class SceneOptions:
     threads: Annotated[bool | None, Parameter(help="Threads where one comes near, of a fabric with a weave.")] = None
     uv_scale: Annotated[float | None, Parameter(help="Length of a UV unit of the mesh, for the size of threads; 0: measured (0 to 1000 m).")] = None
     mesh: Annotated[list[str] | None, Parameter(name="--mesh", negative="", help="Built-in mesh or a file (.obj .ply .glb .gltf .stl .off); repeatable.")] = None
-    subdivide: Annotated[int | None, Parameter(help="Times that each triangle of the cloth is cut into four on a smooth surface (Loop), for coarse meshes (0 to 4).")] = None
+    subdivide: Annotated[int | None, Parameter(converter=whole, help="Times that each triangle of the cloth is cut into four on a smooth surface (Loop), for coarse meshes (0 to 4).")] = None
     print: Annotated[list[str] | None, Parameter(name="--print", negative="", help="A picture that the yarns' colours are multiplied by, over the UVs: a table in files; PART=FILE for a part alone; repeatable.")] = None
     opacity: Annotated[list[str] | None, Parameter(name="--opacity", negative="", help="A picture that says where cloth is, over the UVs: black is open; a table in files; PART=FILE for a part alone; repeatable.")] = None
     fabric_mask: Annotated[list[str] | None, Parameter(name="--fabric-mask", negative="", help="A picture whose colours say which fabric a place has, over the UVs, with --fabric '#rrggbb=FABRIC' for each colour; a table in files; PART=FILE for a part alone; repeatable.")] = None
@@ -38,11 +40,11 @@ class SceneOptions:
     light: Annotated[str | None, Parameter(help="The fitted lights, or the map itself (reference, path) (sg or map; method reference).")] = None
     shadows: Annotated[str | None, Parameter(help="What the cloth hides from itself: nothing, the suns, or all the light (off, sun or full).")] = None
     bounce: Annotated[bool | None, Parameter(help="Light from fold to fold; reference: once (with shadows full).")] = None
-    segments: Annotated[int | None, Parameter(help="Theta segments per Gaussian; the paper has 6 (2 to 64; method paper).")] = None
-    cube: Annotated[int | None, Parameter(help="Edge of the cube map whose directions are summed (4 to 128 texels; method reference).")] = None
-    grid: Annotated[int | None, Parameter(help="Directions per axis of the tables; a change makes new ones (8 to 96; method paper).")] = None
+    segments: Annotated[int | None, Parameter(converter=whole, help="Theta segments per Gaussian; the paper has 6 (2 to 64; method paper).")] = None
+    cube: Annotated[int | None, Parameter(converter=whole, help="Edge of the cube map whose directions are summed (4 to 128 texels; method reference).")] = None
+    grid: Annotated[int | None, Parameter(converter=whole, help="Directions per axis of the tables; a change makes new ones (8 to 96; method paper).")] = None
     contribution: Annotated[float | None, Parameter(help="Share of the singular values that tables keep; a change makes new ones (0.5 to 0.9999; method paper).")] = None
-    spp: Annotated[int | None, Parameter(help="Samples per pixel of a whole picture; path: 1 stands for 64, or with noise for as many as it takes (1 to 1.04858e+06).")] = None
+    spp: Annotated[int | None, Parameter(converter=whole, help="Samples per pixel of a whole picture; path: 1 stands for 64, or with noise for as many as it takes (1 to 1.04858e+06).")] = None
     noise: Annotated[float | None, Parameter(help="Stop where the mean standard error of the pixels that show surfaces is so small a share of their mean light, spp at the latest; 0: never before (0 to 100 %; method path).")] = None
     denoise: Annotated[bool | None, Parameter(help="Take what noise is left away, by Open Image Denoise (pip install 'glcloth[denoise]') (method path).")] = None
     size: Annotated[str | None, Parameter(help="WIDTHxHEIGHT (pixels).")] = None
@@ -53,11 +55,11 @@ class SceneOptions:
     ocio_view: Annotated[str | None, Parameter(help="View of that display; none: its default.")] = None
     background: Annotated[bool | None, Parameter(help="Show the environment behind the cloth.")] = None
     accelerator: Annotated[str | None, Parameter(help="What rays are traced through; all give the same picture; median: large nodes cut as in paper B (kdtree, kdtree_median, lbvh or brute; curtain).")] = None
-    depth: Annotated[int | None, Parameter(help="Generations of rays: through the cloth and mirrored by it (1 to 8; curtain).")] = None
+    depth: Annotated[int | None, Parameter(converter=whole, help="Generations of rays: through the cloth and mirrored by it (1 to 8; curtain).")] = None
     room: Annotated[str | None, Parameter(help="OBJ file of the room; none: built in (curtain).")] = None
     gi: Annotated[str | None, Parameter(help="Light around the room: radiosity, of the sky, the curtain and all bounces; photons: the same by photon mapping, for stills; off: even light (off, radiosity or photons; curtain).")] = None
-    photons: Annotated[int | None, Parameter(help="Photons that begin for each sample of the pixels (gi photons) (1000 to 2e+06; curtain).")] = None
-    photon_neighbours: Annotated[int | None, Parameter(help="Nearest photons of an estimate in the first sample; later ones take fewer (gi photons) (8 to 2000; curtain).")] = None
+    photons: Annotated[int | None, Parameter(converter=whole, help="Photons that begin for each sample of the pixels (gi photons) (1000 to 2e+06; curtain).")] = None
+    photon_neighbours: Annotated[int | None, Parameter(converter=whole, help="Nearest photons of an estimate in the first sample; later ones take fewer (gi photons) (8 to 2000; curtain).")] = None
     spread: Annotated[bool | None, Parameter(help="Blur what is seen through the yarns; needs many samples per pixel (curtain).")] = None
     sun: Annotated[str | None, Parameter(help="What shines in: the lamp, or the brightest sun of the environment, a disc far away; where no sun of the map does, the sky alone (lamp or map; curtain).")] = None
     view: Annotated[str | None, Parameter(help="Framed by the size of the cloth: front, three-quarter, side, back, close; or a camera of the mesh's .glb or .gltf file by its name, or file for its only one.")] = None

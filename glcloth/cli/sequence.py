@@ -14,7 +14,7 @@ from cyclopts import Parameter
 from ..errors import InputError
 from ..files import atomic_write, check_writable
 from ..progress import say, track
-from .common import Device, Json, output_option, tell
+from .common import Device, Json, output_option, tell, whole
 from .many import Many, template
 from .options import SceneOptions, scene_of
 
@@ -28,9 +28,9 @@ def animate(
     /,
     *,
     output: Annotated[Path, output_option("Video (.mp4), or frames such as frames/%04d.png or .exr.")],
-    frames: Annotated[int, Parameter(help="Frames of the whole sequence.")] = 120,
-    start: Annotated[int, Parameter(help="First frame to render; earlier ones are kept.")] = 0,
-    rate: Annotated[int, Parameter(help="Frames per second of a video.")] = 24,
+    frames: Annotated[int, Parameter(converter=whole, help="Frames of the whole sequence.")] = 120,
+    start: Annotated[int, Parameter(converter=whole, help="First frame to render; earlier ones are kept.")] = 0,
+    rate: Annotated[int, Parameter(converter=whole, help="Frames per second of a video.")] = 24,
     turntable: Annotated[
         bool | None, Parameter(help="Turn the camera once around the cloth; default: where nothing else moves.")
     ] = None,

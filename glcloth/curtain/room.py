@@ -57,7 +57,8 @@ def load_room(path: str | Path = ROOM) -> Room:
     """
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"{path}: no such file; check the path, or leave it out for the built-in room")
+        what = "is a folder, a pipe or a device" if path.exists() else "no such file"
+        raise InputError(f"{path}: {what}; check the path, or leave it out for the built-in room")
     data = read_obj(read_bytes(path, MOST_BYTES), path, colored=True, grey=0.7)
     positions = data.positions[data.triangles]
     if not np.isfinite(positions.astype(np.float32)).all():

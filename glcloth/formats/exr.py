@@ -44,6 +44,8 @@ def open_exr(path: Path, header_only: bool = False) -> list:
         with silence():
             file = OpenEXR.File(str(path), separate_channels=True, header_only=header_only)
             parts = list(file.parts)
+            for part in parts:  # a name that is no text is told of when it is asked for
+                _ = [channel.name for channel in part.header.get("channels") or ()]
     except FAULTS:
         raise broken(path) from None
     if not parts:

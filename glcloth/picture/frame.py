@@ -115,10 +115,10 @@ class Frames:
         self,
         scene: Scene | str | None = None,
         *,
-        fabric: Fabric | str | None = None,
-        mesh: Mesh | str | Sequence[Mesh | str] | None = None,
+        fabric: Fabric | str | Path | None = None,
+        mesh: Mesh | str | Path | Sequence[Mesh | str | Path] | None = None,
         cloths: Sequence[Cloth] = (),
-        environment: Environment | str | None = None,
+        environment: Environment | str | Path | None = None,
         lights: Lights | SphericalGaussians | None = None,
         camera: Camera | View | None = None,
         objects: Objects | None = None,
@@ -130,7 +130,7 @@ class Frames:
             changes, objects = {**changes, "objects": objects}, None
         if camera is not None and not isinstance(camera, Camera):
             changes, camera = {**changes, "camera": camera}, None
-        if isinstance(mesh, str):  # the scene's, whose file may bring cameras
+        if isinstance(mesh, str | Path):  # the scene's, whose file may bring cameras
             changes, mesh = {**changes, "mesh": mesh}, None
         scene = scene.changed(**changes) if changes else scene
         if scene.curtain is not None:
@@ -148,7 +148,7 @@ class Frames:
         camera = camera or default_camera(whole, scene)
         return Frame(scene, cloths, environment, lights, camera, _settings(scene, environment), objects, whole)
 
-    def _meshes(self, scene: Scene, given: Mesh | str | Sequence[Mesh | str] | None) -> tuple[Mesh, ...]:
+    def _meshes(self, scene: Scene, given: Mesh | str | Sequence[Mesh | str | Path] | None) -> tuple[Mesh, ...]:
         """The meshes of all cloth, in metres: those of a scene, or others."""
         names = scene.meshes if given is None else (given,) if isinstance(given, Mesh | str) else tuple(given)
         if len(meshes := tuple(name for name in names if isinstance(name, Mesh))) == len(names):
@@ -164,7 +164,7 @@ class Frames:
         self._unit = unit_of(names, meshes, units)
         return in_metres(names, meshes, self._unit)
 
-    def _dressed(self, scene: Scene, meshes: tuple[Mesh, ...], fabric: Fabric | str | None) -> tuple[Cloth, ...]:
+    def _dressed(self, scene: Scene, meshes: tuple[Mesh, ...], fabric: Fabric | str | Path | None) -> tuple[Cloth, ...]:
         """The cloths of a scene, or ones with another fabric where it names none for a part."""
         of_parts = {part: self.fabric(one) for part, one in scene.fabrics.items()}
         own = self.fabric(scene.fabric if fabric is None else fabric)
@@ -205,7 +205,7 @@ class Frames:
         look = scene.ground, scene.ground_color
         return self._objects.get(lambda: arrange(solids, *look, mesh), self._first_pose, solids, look)
 
-    def environment(self, name: str | Environment, scene: Scene) -> Environment:
+    def environment(self, name: str | Path | Environment, scene: Scene) -> Environment:
         """The environment of a name or file, read as a scene says; an Environment is itself."""
         if isinstance(name, Environment):
             return name
@@ -213,16 +213,16 @@ class Frames:
         last = self._files.setdefault(load_environment, Last())
         return last.get(lambda: load_environment(name, *how), name, _stamp(name), how)
 
-    def fabric(self, name: str | Fabric) -> Fabric:
+    def fabric(self, name: str | Path | Fabric) -> Fabric:
         """The fabric of a name or file; a Fabric is itself."""
-        return name if isinstance(name, Fabric) else self._loaded(load_fabric, name, name)
+        return name if isinstance(name, Fabric) else self._loaded(load_fabric, name, str(name))
 
-    def _loaded(self, load: Callable[[str], Any], name: str, number: int | str = 0) -> Any:
+    def _loaded(self, load: Callable[[str], Any], name: str | Path, number: int | str = 0) -> Any:
         """The result of `load` for a name or file; the last one of each kind and number is kept until its file changes."""
-        return self._files.setdefault((load, number), Last()).get(lambda: load(name), name, _stamp(name))
+        return self._files.setdefault((load, number), Last()).get(lambda: load(str(name)), str(name), _stamp(name))
 
 
-def _stamp(name: str) -> int:
+def _stamp(name: str | Path) -> int:
     """When a file changed; 0 where there is no file."""
     path = Path(name)
     return path.stat().st_mtime_ns if is_file(path) else 0

@@ -6,6 +6,7 @@ import gc
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import moderngl
@@ -158,7 +159,7 @@ class Renderer:
         self,
         scene: Scene | str,
         *,
-        environment: Environment | str | None = None,
+        environment: Environment | str | Path | None = None,
         camera: Camera | View | None = None,
         **changes: Any,
     ) -> CurtainShow:
@@ -168,7 +169,7 @@ class Renderer:
 
         self._check()
 
-        if isinstance(environment, str):
+        if isinstance(environment, str | Path):
             changes["env"], environment = environment, None
         if camera is not None:
             changes["camera"] = View.of(camera) if isinstance(camera, Camera) else camera

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..color import srgb_decode, srgb_encode
 from ..errors import InputError, one_line
-from ..files import atomic_write
+from ..files import atomic_write, path_of
 from .draft import MAX_THREADS, USUAL_CM, Draft, check_size
 from .others import PROGRAMS, wif_bytes
 
@@ -51,7 +51,9 @@ def load_draft(path: str | Path) -> Draft:
     preferred where both exist. Raises InputError of one line for anything else: no [WIF], no threading, no sheds, a
     shaft above Shafts, text where a number belongs, more than 4 MB, 16384 threads a side or a repeat of 2^20 crossings.
     """
-    path = Path(path)
+    path = path_of(path)
+    if path.exists() and not path.is_file():
+        raise InputError(one_line(f"{_short(path)}: is a folder, a pipe or a device; expected a draft (.wif)"))
     try:
         with path.open("rb") as file:
             data = file.read(MAX_BYTES + 1)

@@ -8,7 +8,7 @@ from pathlib import Path
 from ..color import srgb_decode
 from ..errors import InputError
 from ..fabric import save_fabric
-from ..files import is_file
+from ..files import is_file, typed_path
 from ..geometry.mesh_files import MESH_SUFFIXES, load_solid
 from ..image import check_output, write_image
 from ..place import split_place
@@ -62,7 +62,8 @@ class Files:
             self.actions.layout.show_panels = self.asks_path = True
 
     def _open(self, path: str) -> None:
-        kind, session = sharing.kind_of(path), self.session
+        path, session = str(typed_path(path)), self.session
+        kind = sharing.kind_of(path)
         if kind == "fabric":
             self.actions.choose_fabric(path)
         elif kind == "lights":
@@ -89,6 +90,7 @@ class Files:
             self.actions.note("no file dialog here (zenity or kdialog): type the path above, then press Object")
 
     def _add_object(self, path: str) -> None:
+        path = str(typed_path(path))
         load_solid(split_place(path)[0])  # a wrong one is not taken
         self.session.edit_scene(objects=(*self.session.scene.objects, path))
 
@@ -107,7 +109,7 @@ class Files:
         self.actions.attempt(self._save_draft, path)
 
     def _save_draft(self, path: str) -> None:
-        target, fabric = Path(path.strip()).expanduser(), self.session.fabric
+        target, fabric = typed_path(path.strip()), self.session.fabric
         if target.suffix.lower() != ".wif":
             raise InputError(f"{target}: expected a name that ends in .wif")
         if fabric.weave is None:
@@ -120,13 +122,13 @@ class Files:
         self.actions.attempt(self._load_draft, path)
 
     def _load_draft(self, path: str) -> None:
-        draft = load_draft(Path(path.strip()).expanduser())
+        draft = load_draft(typed_path(path.strip()))
         self.session.take_draft(draft)
         for warning in draft.warnings:
             self.actions.note(f"{Path(path).name}: {warning}")
 
     def _save_toml(self, path: str, save: Callable[[Path], object]) -> None:
-        target = Path(path.strip()).expanduser()
+        target = typed_path(path.strip())
         if target.suffix != ".toml":
             raise InputError(f"{target}: expected a name that ends in .toml")
         save(target)
@@ -137,7 +139,7 @@ class Files:
         self.actions.attempt(self._save_picture, path, panels)
 
     def _save_picture(self, path: str, panels: bool) -> None:
-        target = check_output(Path(path.strip()).expanduser())
+        target = check_output(typed_path(path.strip()))
         if panels and target.suffix.lower() != ".png":
             raise InputError(f"{target}: the window with its panels is saved as .png")
         if self.session.in_curtain and self.actions.player.playing:

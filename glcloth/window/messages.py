@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..errors import InputError, ShaderError, one_line
+from ..errors import InputError, ShaderError, one_line, printable
 from .clock import Clock
 
 MOST = 5  # lines that are shown
@@ -19,7 +19,7 @@ class Messages:
 
     def note(self, text: str) -> None:
         """Show a line until newer ones push it out, or it is closed."""
-        self._add("note", text)
+        self._add("note", printable(text))
 
     def error(self, error: Exception | str) -> None:
         """Show an error; of a shader only the lines that do not compile, without a driver's warnings and headings."""
@@ -44,3 +44,5 @@ class Messages:
             action(*arguments, **options)
         except InputError as error:
             self.error(error)
+        except OSError as error:
+            self.error(f"{error.filename or 'a file'}: {error.strerror or error}; check the name and its permissions")

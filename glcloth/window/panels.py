@@ -130,7 +130,7 @@ class Panels(Panel):
                 self.attempt(session.edit_scene, ground="catcher" if only else "auto")
         imgui.same_line()
         if imgui.button("Object"):
-            self.files.choose_object(str(Path(self.open_path.strip()).expanduser()) if self.open_path.strip() else "")
+            self.files.choose_object(self.open_path.strip())
         tip("sets the mesh of the path above, or a file to be chosen, beside the cloth")
         for number, name in enumerate(scene.objects):
             if imgui.small_button(f"x##object {number}"):
@@ -176,7 +176,7 @@ class Panels(Panel):
         imgui.same_line()
         if imgui.button("Open") or done:
             if self.open_path.strip():
-                self.files.open(str(Path(self.open_path.strip()).expanduser()))
+                self.files.open(self.open_path.strip())
             else:
                 self.files.choose()
         tip(

@@ -12,7 +12,7 @@ import tomli_w
 from ..errors import InputError
 from ..fabric import Fabric
 from ..fields import entries
-from ..files import read_toml
+from ..files import path_of, read_toml
 from ..geometry.mesh_files import MESH_SUFFIXES
 from ..image import read_settings
 from ..light.lights_file import FORMAT
@@ -25,7 +25,7 @@ KINDS |= dict.fromkeys(SUFFIXES, "fabric")
 
 def kind_of(path: str | Path) -> Literal["scene", "fabric", "lights", "mesh", "env"]:
     """The kind of a file. Raises InputError when the window cannot open it."""
-    path = Path(path)
+    path = path_of(path)
     suffix = path.suffix.lower()
     if not path.is_file():
         raise InputError(f"{path}: no such file")

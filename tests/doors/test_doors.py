@@ -169,6 +169,8 @@ def test_wrong_fabric_files(tmp_path, capsys, change, said):
         (["--method", "fast"], "direct, paper"),
         (["--quality", "best"], "draft, normal"),
         (["--spp", "0"], "spp"),
+        (["--spp", "1.5"], "--spp: expected a whole number, not '1.5'"),
+        (["--subdivide", "1.5"], "--subdivide: expected a whole number"),
         (["--segments", "1"], "segments"),
         (["--cube", "1"], "cube"),
         (["--contribution", "1.5"], "contribution"),

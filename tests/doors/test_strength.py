@@ -125,6 +125,8 @@ def test_a_large_text_and_a_pipe_are_refused_before_they_are_read(tmp_path, caps
     for name, what in (("s.toml", []), ("l.toml", ["--lights"]), ("f.toml", ["--fabric"])):
         os.mkfifo(tmp_path / name)
         assert "pipe" in fails(capsys, "render", *what, tmp_path / name, "-o", tmp_path / "a.png")
+    os.mkfifo(tmp_path / "d.wif")
+    assert "pipe" in fails(capsys, "render", *QUICK, "--fabric", tmp_path / "d.wif", "-o", tmp_path / "a.png")
     os.mkfifo(tmp_path / "o.png")
     assert "pipe" in fails(capsys, "render", *QUICK, "-o", tmp_path / "o.png")
 
@@ -165,6 +167,41 @@ def test_a_file_written_over_keeps_its_permissions_and_a_link_its_target(tmp_pat
     assert (tmp_path / "fresh.txt").stat().st_mode & 0o777 == 0o666 & ~mask
 
 
+STOPPED_WHILE_TABLES_ARE_WRITTEN = """
+import os, signal, sys
+import numpy as np
+def half(file, **arrays):
+    file.write(1000 * b"half ")
+    file.flush()
+    os.kill(os.getpid(), signal.{})
+np.savez, sys.argv = half, ["glcloth", "tables", "linen", "--grid", "8"]
+from glcloth.__main__ import main
+main()
+"""
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGKILL"])
+def test_tables_are_written_whole_or_not_at_all(tmp_path, monkeypatch, capsys, name):
+    """Ctrl-C: exit 130, one line, nothing left. kill -9: what it left is gone by the next run, but not before an hour."""
+    env = {**os.environ, "GLCLOTH_CACHE": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}
+    text = STOPPED_WHILE_TABLES_ARE_WRITTEN.format(name)
+    done = subprocess.run([sys.executable, "-c", text], capture_output=True, text=True, env=env)
+    left = [path for path in tmp_path.rglob("*") if path.is_file()]
+    if name == "SIGINT":
+        assert done.returncode == 130 and not left and not done.stdout
+        assert done.stderr == "glcloth: stopped; nothing was left half-written\n"
+        return
+    assert done.returncode == -9 and len(left) == 1 and MARK in left[0].name and b"half" in left[0].read_bytes()
+    monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path))
+    for age, there in ((STALE / 2, True), (2 * STALE, False)):
+        os.utime(left[0], (time.time() - age,) * 2)
+        _swept.clear()  # as in another process
+        made = tables.tables_for("linen", 8, 0.9 if there else 0.8)
+        assert left[0].exists() == there and np.isfinite(made.xi[0][0]).all()
+    kept = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert len(kept) == 2 and not capsys.readouterr().err
+
+
 def test_ctrl_c_after_the_last_line_changes_nothing():
     """The interpreter tidies up for up to a tenth of a second, and then had no handler any more."""
     late = "import atexit, os, signal, sys, weakref\n"
@@ -172,3 +209,14 @@ def test_ctrl_c_after_the_last_line_changes_nothing():
     late += "sys.late = Late()\nsys.argv = ['glcloth', '--version']\nfrom glcloth.__main__ import main\nmain()\n"
     done = subprocess.run([sys.executable, "-c", late], capture_output=True, text=True)
     assert done.returncode == 0 and done.stdout.strip() and not done.stderr, done
+
+
+def test_ctrl_c_in_code_from_text_does_not_outlive_it(tmp_path):
+    """Named tuples are such code; after it `python -m` would end by the signal, whatever our exit code is."""
+    text = "import sys, glcloth.cli\nfrom glcloth.__main__ import main\n"
+    text += "def run():\n    exec('raise KeyboardInterrupt')\n"
+    text += "glcloth.cli.app = lambda *_, **__: run()\nsys.argv = ['glcloth', 'info']\nmain()\n"
+    (tmp_path / "stopped.py").write_text(text)
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    done = subprocess.run([sys.executable, "-m", "stopped"], capture_output=True, text=True, env=env)
+    assert done.returncode == 130 and done.stderr == "glcloth: stopped; nothing was left half-written\n"

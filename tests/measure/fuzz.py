@@ -16,7 +16,7 @@ from collections import Counter
 from multiprocessing import Process, Queue
 from pathlib import Path
 
-from mutations import FORMATS, corpus, damaged, random_edits
+from mutations import FORMATS, KINDS, corpus, damaged, random_edits
 
 from glcloth.cli import _quiet_libraries
 from glcloth.errors import MAX_LINE, InputError
@@ -86,7 +86,8 @@ def work(name, numbers, seed, keep, queue):
             source = sound[rng.randrange(len(sound))]
             path = folder / source.name
             mend = format.mend if rng.random() < 0.7 else None
-            path.write_bytes(damaged(source.read_bytes(), random_edits(rng), mend))
+            kinds = ("leaf",) if format.tree and rng.random() < 0.7 else KINDS
+            path.write_bytes(damaged(source.read_bytes(), random_edits(rng, kinds), mend))
             queue.put((name, number, "begun", ""))
             word, detail = outcome(format.read, path, heard)
             if peak_megabytes() > MEGABYTES:

@@ -18,6 +18,7 @@ from glcloth.color import view
 from glcloth.errors import InputError
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh
+from glcloth.gpu.gbuffer import GBuffer
 
 FAST = {"size": (16, 12), "mesh": "plane", "env": "studio", "lobes": 4, "shadows": "off", "quality": "draft"}
 
@@ -137,6 +138,19 @@ def test_a_forked_process_says_so_at_once():
     *lines, status = done.stdout.splitlines()
     assert len(lines) == 2 and all("forked from one that had used OpenGL" in line and "spawn" in line for line in lines)
     assert status == "7", done.stderr
+
+
+def test_pictures_of_many_sizes_leave_no_buffers_behind(renderer):
+    """Not those of the sizes before, with shadows neither."""
+
+    def kept(*widths):
+        for width in widths:
+            renderer.render(**{**FAST, "size": (width, 12), "shadows": "full"})
+        gc.collect()
+        return sum(isinstance(one, GBuffer) for one in gc.get_objects())
+
+    few = kept(16, 18, 20)
+    assert few and kept(*range(22, 32, 2)) <= few
 
 
 def test_one_that_is_dropped_frees_its_context():

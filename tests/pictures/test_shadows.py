@@ -295,6 +295,9 @@ def test_coarse_meshes_get_more_vertices_and_keep_their_surface():
     drape = load_mesh("drape")
     assert subdivided(drape) is drape
     assert len(subdivided(sheet(2), most=100).positions) <= 100
+    one = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    copies = subdivided(build_mesh("copies", np.array(one), np.tile([[0, 1, 2]], (1000, 1))))
+    assert len(copies.triangles) == len(subdivided(build_mesh("one", np.array(one), [[0, 1, 2]])).triangles) == 4096
 
 
 def test_subdivided_curved_meshes_do_not_shade_themselves(ctx):

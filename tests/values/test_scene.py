@@ -1,6 +1,8 @@
 """Scenes: one value for cloth and curtain, its files and pictures, and what is made from its fields."""
 
 import dataclasses
+from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from glcloth.errors import InputError
 from glcloth.fabric import Fabric, Transmission, Yarn, load_fabric
 from glcloth.fields import entries
 from glcloth.image import write_image
+from glcloth.picture.frame import Frames
 from glcloth.scene import (
     CurtainParameters,
     FabricMaskMap,
@@ -154,3 +157,50 @@ def test_colours_of_curtains(said, is_):
     scene = scene_of("curtain", SceneOptions(color=said, width=1.8, heading="eyelet"))
     assert scene.curtain.color == pytest.approx(is_, abs=1e-4) and scene.curtain.pleats == 11
     assert Scene.parse(scene.model_dump()) == scene
+
+
+def test_paths_are_names():
+    """Wherever a name may stand, in lists and tables too."""
+    one = Path("here") / "a.png"
+    scene = Scene(
+        mesh=[one, "sphere"], fabrics={"#ff0000": one}, objects=one, print=one, fabric_mask={"file": one}, env=one
+    )
+    assert scene.mesh == ("here/a.png", "sphere") and scene.fabrics == {"#ff0000": "here/a.png"}
+    assert scene.objects == (scene.env,) == ("here/a.png",)
+    assert scene.print.file == scene.fabric_mask.file == "here/a.png"
+    assert scene.changed(curtain=None, opacities={"Hem": one}).opacities["Hem"].file == "here/a.png"
+    assert Scene(curtain={"behind": one}, room=one).files() >= {"here/a.png"}
+    with pytest.raises(InputError, match=r"here/a\.obj: no such file"):
+        Frames().make(mesh=Path("here/a.obj"))
+
+
+class Printer:
+    """What a notebook's printer has, on one level."""
+
+    def __init__(self):
+        self.out = ""
+
+    @contextmanager
+    def group(self, _, first, last):
+        self.out += first
+        yield
+        self.out += last
+
+    def text(self, text):
+        self.out += text
+
+    def breakable(self):
+        self.out += "\n"
+
+    def pretty(self, value):
+        self.out += repr(value)
+
+
+def test_a_notebook_shows_what_was_said_of_a_value_on_lines_of_its_own():
+    printer = Printer()
+    scene = Scene(mesh="sphere", spp=4)
+    scene._repr_pretty_(printer, False)
+    assert printer.out == "Scene(mesh='sphere',\nspp=4)" and eval(printer.out) == scene
+    printer = Printer()
+    load_fabric("linen")._repr_pretty_(printer, False)
+    assert printer.out.startswith("Fabric(name='Linen plain',\nnormalization=")
