@@ -62,6 +62,8 @@ def check_writable(path: str | Path) -> Path:
     Raises InputError when the folder is missing or not writable, or when `path` is a folder, a pipe or a device.
     """
     path = path_of(path)
+    if os.path.islink(os.path.realpath(path)):
+        raise InputError(f"{path}: is a symbolic link to itself; choose another output path")
     if path.is_dir():
         raise InputError(f"{path}: is a folder, expected a file name; give a name such as {path / 'picture.png'}")
     if not path.parent.is_dir():

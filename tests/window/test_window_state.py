@@ -22,7 +22,7 @@ from glcloth.methods.registry import METHODS
 from glcloth.picture.cloths import Cloth
 from glcloth.picture.frame import Frame
 from glcloth.scene import CurtainParameters, Scene, View, load_scene, save_scene
-from glcloth.window import curve, files, orbit, refine, sharing, state
+from glcloth.window import curve, files, messages, orbit, refine, sharing, state
 from glcloth.window.controls import METHOD_FIELDS, controls
 from glcloth.window.slices import Slices
 from glcloth.window.state import Session
@@ -331,6 +331,37 @@ def random_edit(session, rng):
         lambda: session.choose_fabric(("linen", "velvet")[rng.integers(2)]),
     )
     actions[rng.integers(len(actions))]()
+
+
+def test_names_that_nobody_can_have_are_messages(tmp_path, monkeypatch):
+    """Whatever is typed, dropped or in the way: the window says so and stays."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ring.toml").symlink_to("ring.toml")
+    os.mkfifo(tmp_path / "pipe.wif")
+    (tmp_path / "dir.png").mkdir()
+    clock = SimpleNamespace(wake=lambda: None)
+    said = messages.Messages(clock)
+    session = Session(Scene(mesh="sphere"))
+    actions = SimpleNamespace(attempt=said.attempt, note=said.note, session=session, complete=False)
+    opener = files.Files(actions, clock)
+    names = ["", "\0", "a\0b", 300 * "x", "~nobody/x", "\ud800", "ring", "pipe", "dir", "nowhere/x", "/proc/x"]
+    ways = [
+        (opener.save_scene, ".toml"),
+        (opener.save_draft, ".wif"),
+        (opener.load_draft, ".wif"),
+        (opener.open, ".png"),
+    ]
+    ways += [(opener.save_picture, ".png"), (opener.choose_object, ".obj"), (opener.save_fabric, ".toml")]
+    for way, suffix in ways:
+        for name in names:
+            said.lines.clear()
+            way(name + suffix)
+            assert said.lines or (tmp_path / (name + suffix)).is_file(), name  # the draft that was just saved
+            assert all(text.isprintable() and len(text) <= 300 for _, text in said.lines), name
+    assert (tmp_path / "ring.toml").is_symlink(), "not replaced"
+    session.choose_fabric("linen")
+    opener.save_draft("a\nb.wif")
+    assert (tmp_path / "a\nb.wif").is_file() and said.lines[-1] == ("note", "wrote a b.wif")
 
 
 def test_thousand_random_edits_keep_the_state_valid_and_undo_to_the_start():
