@@ -26,7 +26,7 @@ from .layers import Layers
 from .renderer import Renderer
 
 VIDEO = (".mp4",)
-NUMBER = re.compile(r"%0?(\d*)d")
+NUMBER = re.compile(r"%0?(\d{0,2})d")
 POSES = 4  # until every direction of a vertex that follows is looked into again
 
 
