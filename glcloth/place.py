@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 from .files import is_file
 
+FARTHEST = 1e9  # metres, and times as large; farther away nothing is seen in single precision
+
 
 class Place(NamedTuple):
     """Where an object stands: metres, a factor, degrees about +Y."""
@@ -28,6 +30,10 @@ class Place(NamedTuple):
         if len(numbers) > 5 or not all(map(math.isfinite, numbers)) or (len(numbers) > 3 and numbers[3] <= 0.0):
             raise ValueError(
                 f"@{text}: expected @x,y,z,scale,turn: metres, a factor above 0, degrees; such as @0.5,0,-1,1,90"
+            )
+        if any(abs(number) > FARTHEST for number in numbers) or (len(numbers) > 3 and numbers[3] < 1.0 / FARTHEST):
+            raise ValueError(
+                f"@{text}: expected numbers of at most {FARTHEST:g}, and a factor of at least {1 / FARTHEST:g}"
             )
         return cls(*numbers)
 

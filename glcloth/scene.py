@@ -24,7 +24,7 @@ from .fabric import Fabric
 from .fields import Value, about, entries
 from .files import PACKAGE, atomic_write, is_file, path_of, read_toml
 from .ocio import ocio_view
-from .place import Place, split_place
+from .place import FARTHEST, Place, split_place
 
 if TYPE_CHECKING:
     from .geometry.camera import Camera
@@ -34,7 +34,6 @@ Kind = Literal["cloth", "curtain"]
 MethodName = Literal["direct", "paper", "reference"]  # of cloth under an environment
 Quality = Literal["draft", "normal", "high"]
 ShadowMode = Literal["off", "sun", "full"]
-FARTHEST = 1e9  # m; farther away nothing is seen in single precision
 Vec3 = tuple[float, float, float]
 Share = Annotated[float, Field(ge=0, le=1)]
 # Defaults of a curtain's scene: it is traced in a room, before a sky.

@@ -173,7 +173,8 @@ def drape(
 
     suffixes = SAVE_SUFFIXES if piece == "drape" else (*SAVE_SUFFIXES, ".npz")
     if output.suffix.lower() not in suffixes:
-        raise InputError(f"{output}: cannot write {output.suffix or 'a file without suffix'}, expected {suffixes}")
+        kind = output.suffix or "a file without suffix"
+        raise InputError(f"{output}: cannot write {kind}, expected a name that ends in {', '.join(suffixes)}")
     check_writable(output)
     if piece == "drape":
         mesh = simulate(create_context(device))

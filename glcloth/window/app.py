@@ -128,7 +128,7 @@ class App:
         elif self.files.watching:
             glfw.wait_events_timeout(0.25)
         else:
-            glfw.wait_events()
+            glfw.wait_events_timeout(0.5)  # Ctrl-C is heard between two waits alone
 
     def _hear(self) -> None:
         """Take the news from outside: files that changed, were chosen or dropped."""
