@@ -1,4 +1,8 @@
-"""Shading at an adaptive rate: one pixel in four, and those others that their neighbours do not determine.   [own]"""
+"""Shading at an adaptive rate: one pixel in four, and those others that their neighbours do not determine.   [own]
+
+Where pixels show threads, what each tangent adds is found for one pixel in sixteen, and for one in four where that is not
+enough; threads are drawn over it at every pixel.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ..gpu.buffers import Buffer
+from ..gpu.buffers import Buffer, read_texture
 from ..gpu.covered import Covered
 from ..gpu.gbuffer import GBuffer, depth_texture
 from ..gpu.programs import Compute, Draw, Inputs, programs
@@ -28,7 +32,7 @@ class Shown:
     Parameters
     ----------
     near, far : the picture, where only these pixels are covered, and only the others
-    terms_program : shade_terms of passes/picture with the method, for one pixel in four
+    terms_program : shade_terms of passes/picture with the method, for one pixel in sixteen or in four
     layers : texels that this keeps of each
     list_program : as for the other pixels
     defines, virtual : of the program that combines terms with the maps of threads
@@ -86,13 +90,14 @@ class AdaptiveRate:
             own = {"pixel_stride": 2, "pass_weight": 1.0, "pass_cover": 1.0}
             self._covered.shade(program, self._coarse, inputs(), buffer.inputs(), own, key=None, rows=band)
             yield from pace.pause(self.ctx)
-        if shown is not None:
-            yield from self._near_terms(buffer, shown, inputs, pace)
         limits: dict[str, Any] = {
             "tolerance": self.tolerance,
             "bend_limit": BEND * narrowest_lobe,
             "coarse": self._color,
+            "coarse_stride": 2,
         }
+        if shown is not None:
+            yield from self._near_terms(buffer, shown, inputs, pace, limits)
         fill = programs(self.ctx).screen("passes/picture/adaptive_fill.frag")
         for one in (self._list, self._near_list):
             one.write(EMPTY)
@@ -105,36 +110,64 @@ class AdaptiveRate:
         fill = programs(self.ctx).screen("passes/picture/adaptive_fill.frag", shown.defines, shown.virtual)
         draw_screen(
             fill, shown.near, buffer.inputs(), inputs(), shown.inputs(), depth="covered",
-            Pixels=self._near_list, terms=self._terms, far_depth=shown.far.depth_attachment, **limits,
+            Pixels=self._near_list, terms=self._terms, wide_row=self._wide_row, smooth_blocks=self._smooth,
+            far_depth=shown.far.depth_attachment, **limits,
         )  # fmt: skip
         self.ctx.memory_barrier()
         every: Callable[[], Inputs] = lambda: {**inputs(), **shown.inputs()}  # noqa: E731
         yield from self._shade_list(buffer, shown.list_program, self._near_list, every, pace)
 
-    def _cover(self, buffer: GBuffer, part: moderngl.Framebuffer | None, clears: bool = True) -> None:
-        """Cover the coarse pixels that sample a covered pixel, of a part of the picture or of all; make all of them black."""
+    def _cover(
+        self, buffer: GBuffer, part: moderngl.Framebuffer | None, stride: int = 2, by_blocks: bool = False
+    ) -> None:
+        """Cover the coarse pixels that sample a covered pixel, of a part of the picture or of all; make all of them black.
+
+        `by_blocks`: only those beside blocks that are not smooth, and none becomes black.
+        """
+        defines = {} if part is None else {"OF_A_PART": 1}
         cover = programs(self.ctx).screen(
-            "passes/picture/adaptive_cover.frag", {} if part is None else {"OF_A_PART": 1}
+            "passes/picture/adaptive_cover.frag", {**defines, "OF_BLOCKS": 1} if by_blocks else defines
         )
         inputs = buffer.inputs() if part is None else {"part_depth": part.depth_attachment}
-        self._coarse.color_mask = (clears,) * 4
-        draw_screen(cover, self._coarse, inputs, depth="written", pixel_stride=2)
-        self._coarse.color_mask = (True,) * 4
+        own = {"pixel_stride": stride, **({"smooth_blocks": self._smooth} if by_blocks else {})}
+        target = self._coarse if stride == 2 else self._wide
+        target.color_mask = (not by_blocks,) * 4
+        draw_screen(cover, target, inputs, own, depth="written")
+        target.color_mask = (True,) * 4
 
-    def _near_terms(self, buffer: GBuffer, shown: Shown, inputs: Callable[[], Inputs], pace: Pace) -> Iterator[None]:
-        """Shade the coarse pixels that show threads as cloth from afar, and keep the tangents' terms."""
+    def _near_terms(
+        self, buffer: GBuffer, shown: Shown, inputs: Callable[[], Inputs], pace: Pace, limits: Inputs
+    ) -> Iterator[None]:
+        """Shade coarse pixels that show threads as cloth from afar, and keep the tangents' terms: every fourth of every
+        fourth row, then every second of every second beside blocks between those that are not smooth."""
         if self._terms is None or self._terms.layers != shown.layers:
             if self._terms is not None:
                 self._terms.release()
-            self._terms = self.ctx.texture_array((*self._coarse.size, shown.layers), 4, dtype="f2")
+            # With what it holds no weight of 0 makes a value that is no number.
+            size = self._coarse.width, self._wide_row + self._wide.height, shown.layers
+            self._terms = self.ctx.texture_array(size, 4, bytes(8 * size[0] * size[1] * size[2]), dtype="f2")
             self._terms.filter = moderngl.LINEAR, moderngl.LINEAR
             self._terms.repeat_x = self._terms.repeat_y = False
-        self._cover(buffer, shown.near, clears=False)
-        for band in pace.bands(self._coarse.height, 2):
-            given = inputs(), shown.inputs(), buffer.inputs(), {"terms": self._terms}
-            self._covered.shade(shown.terms_program, self._coarse, *given, key=None, rows=band)
-            yield from pace.pause(self.ctx)
+        self._cover(buffer, shown.near, 4)
+        yield from self._keep_terms(buffer, shown, inputs, pace, 4)
+        wide = {**limits, "coarse": self._wide_color, "coarse_stride": 4}
+        blocks = programs(self.ctx).screen("passes/picture/adaptive_blocks.frag")
+        draw_screen(blocks, self._blocks, buffer.inputs(), wide, near_depth=shown.near.depth_attachment)
+        self._cover(buffer, shown.near, by_blocks=True)
+        yield from self._keep_terms(buffer, shown, inputs, pace, 2)
+        between = programs(self.ctx).screen("passes/picture/adaptive_between.frag")
+        draw_screen(between, self._coarse, buffer.inputs(), wide, smooth_blocks=self._smooth)
         self.ctx.memory_barrier()
+
+    def _keep_terms(
+        self, buffer: GBuffer, shown: Shown, inputs: Callable[[], Inputs], pace: Pace, stride: int
+    ) -> Iterator[None]:
+        target, row = (self._coarse, 0) if stride == 2 else (self._wide, self._wide_row)
+        for band in pace.bands(target.height, stride):
+            own = {"terms": self._terms, "terms_row": row, "terms_stride": stride}
+            given = inputs(), shown.inputs(), buffer.inputs(), own
+            self._covered.shade(shown.terms_program, target, *given, key=None, rows=band)
+            yield from pace.pause(self.ctx)
 
     def _shade_list(
         self, buffer: GBuffer, list_program: Compute, listed: Buffer, inputs: Callable[[], Inputs], pace: Pace
@@ -157,8 +190,12 @@ class AdaptiveRate:
             yield
 
     def shaded(self) -> int:
-        """How many pixels the last call shaded beyond one in four."""
+        """How many pixels the last call shaded beyond those of the coarse pictures."""
         return _length(self._list) + _length(self._near_list)
+
+    def smooth(self) -> float:
+        """The share of blocks of 4 x 4 pixels of which the last call knew the terms of threads from their corners."""
+        return float((np.frombuffer(read_texture(self._smooth), "u1") > 0).mean())
 
     def _reserve(self, size: tuple[int, int]) -> None:
         """Make the coarse picture of a size."""
@@ -173,6 +210,16 @@ class AdaptiveRate:
         self._color.filter = moderngl.NEAREST, moderngl.NEAREST
         self._depth = depth_texture(self.ctx, coarse)
         self._coarse = self.ctx.framebuffer([self._color], self._depth)
+        # For threads, one in sixteen likewise, and which blocks between them are smooth.
+        wide = size[0] // 4 + 2, size[1] // 4 + 2
+        self._wide_row = coarse[1] + 1  # of the texture of terms
+        self._wide_color = self.ctx.texture(wide, 4, dtype="f4")
+        self._wide_color.filter = moderngl.NEAREST, moderngl.NEAREST
+        self._wide_depth = depth_texture(self.ctx, wide)
+        self._wide = self.ctx.framebuffer([self._wide_color], self._wide_depth)
+        self._smooth = self.ctx.texture((wide[0] - 1, wide[1] - 1), 1)
+        self._smooth.filter = moderngl.NEAREST, moderngl.NEAREST
+        self._blocks = self.ctx.framebuffer([self._smooth])
 
     def release(self) -> None:
         """Free the coarse picture."""
@@ -183,7 +230,10 @@ class AdaptiveRate:
         if self._terms is not None:
             self._terms.release()
             self._terms = None
-        for thing in (self._coarse, self._color, self._depth):
+        for thing in (
+            self._coarse, self._color, self._depth, self._wide, self._wide_color, self._wide_depth, self._blocks,
+            self._smooth,
+        ):  # fmt: skip
             thing.release()
         self._size = None
 

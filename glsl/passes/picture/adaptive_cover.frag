@@ -5,6 +5,9 @@ uniform sampler2D part_depth;  // 1 where a pixel is not of this part of the pic
 #else
 #include "inputs/picture/gbuffer.glsl"
 #endif
+#ifdef OF_BLOCKS
+#include "inputs/picture/smooth_blocks.glsl"  // then only beside blocks that are not smooth
+#endif
 uniform int pixel_stride;
 out vec4 color;
 
@@ -12,6 +15,9 @@ void main() {
 #ifdef OF_A_PART
     ivec2 pixel = min(ivec2(gl_FragCoord.xy) * pixel_stride, textureSize(part_depth, 0) - 1);
     bool covered = texelFetch(part_depth, pixel, 0).r < 1.0;
+#ifdef OF_BLOCKS
+    covered = covered && !among_smooth(ivec2(gl_FragCoord.xy));
+#endif
 #else
     ivec2 pixel = min(ivec2(gl_FragCoord.xy) * pixel_stride, textureSize(frame_N, 0) - 1);
     bool covered = texelFetch(frame_N, pixel, 0).w != 0.0;

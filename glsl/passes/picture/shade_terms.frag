@@ -1,5 +1,5 @@
 #version 430
-// Shades every second pixel of every second row as cloth from afar, and keeps what each tangent adds to it.   [own]
+// Shades every second or fourth pixel of such rows as cloth from afar, and keeps what each tangent adds to it.   [own]
 #include "inputs/picture/shade_terms.glsl"
 layout(early_fragment_tests) in;  // a shader that writes to an image is tested late otherwise
 
