@@ -89,6 +89,7 @@ class WeaveMaps:
             "irregular": (loose.shift, loose.length, loose.yarn, loose.fibre),
             "fibres": (*STRANDS, -np.tan(twist[0]), np.tan(twist[1])),
             "most_taps": MOST_TAPS,
+            **even_shares(fabric, groups, lanes),
             "weave_A": np.array([y.albedo for y in fabric.yarn], "f4"),
         }
 
@@ -201,3 +202,13 @@ def packed(values: np.ndarray, groups: int, lanes: int) -> np.ndarray:
     out = np.zeros(groups * lanes, "f4")
     out[: len(values)] = values
     return np.ascontiguousarray(np.pad(out.reshape(groups, lanes), ((0, 0), (0, 4 - lanes))))
+
+
+def even_shares(fabric: Fabric, groups: int, lanes: int) -> dict[str, np.ndarray]:
+    """What inputs/methods/even.glsl reads: shares of the tangents of warp and of weft in what cloth reflects of even light."""
+    shares = fabric.weights[:, 1] / fabric.weights[:, 1].sum()
+    of_weft = np.array([tangent.yarn == 1 for tangent in fabric.tangents])
+    return {
+        "even_warp": packed(np.where(of_weft, 0.0, shares), groups, lanes),
+        "even_weft": packed(np.where(of_weft, shares, 0.0), groups, lanes),
+    }

@@ -15,7 +15,7 @@ from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..methods.method import Method
-from ..methods.weave_maps import WeaveMaps, far_footprint
+from ..methods.weave_maps import WeaveMaps, even_shares, far_footprint
 from .frame import Frame
 from .prints import Print, PrintTexture
 from .uv_scale import guessed_scale
@@ -132,7 +132,8 @@ class Threads:
         if self.woven:
             maps = self._maps.inputs(self._fabric, *method.woven_packing())
         else:
-            maps = {"weave_A": np.array([yarn.albedo for yarn in self._fabric.yarn], "f4")}
+            colors = np.array([yarn.albedo for yarn in self._fabric.yarn], "f4")
+            maps = {"weave_A": colors, **even_shares(self._fabric, *method.woven_packing())}
         return {**self._inputs(buffer), **maps, **self.print_inputs(), **method.woven_inputs()}
 
     def print_inputs(self) -> dict[str, Any]:

@@ -265,7 +265,7 @@ def test_each_place_of_a_mask_casts_the_shadow_of_its_fabric(renderer, tmp_path)
     right = shown[21:23, 14:18] / bare[21:23, 14:18]
     assert 0.3 < left.min() and left.max() < 0.9 and right.max() < 0.05
     # Paths show the same, and a ray picks the same.
-    traced = look | {"shadows": "full", "method": "path", "spp": 8}
+    traced = look | {"shadows": "full", "method": "path", "spp": 8, "bounce": False}
     shown = renderer.render(**traced, **cloths, fabrics=fabrics, fabric_mask=mask)[..., 1]
     assert [renderer.pick(x, 0.5) for x in (0.4, 0.6)] == [left_side, right_side]
     assert [renderer.pick(x, 0.02)[::2] for x in (0.4, 0.6)] == [(0, 1), (1, 2)], "beside it the lower one is picked"

@@ -108,6 +108,36 @@ def test_reference_judges(renderer):
     assert np.abs(direct - judge).mean() < 0.02 * judge.mean()
 
 
+def corner(side=0.04, cells=6):
+    """A floor z = 0 and a wall at its end x = side / 2, one cloth, in cells."""
+    q = np.linspace(-0.5, 0.5, cells + 1)
+    u, v = (a.ravel() for a in np.meshgrid(q, q, indexing="ij"))
+    floor, wall = np.stack([u, v, 0 * u], -1), np.stack([0.5 + 0 * u, v, u + 0.5], -1)
+    k = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    faces = np.concatenate([np.stack(f, -1) for f in ((k, k + cells + 1, k + 1), (k + 1, k + cells + 1, k + cells + 2))])
+    uv = side * np.concatenate([np.stack([u, v], -1), np.stack([1.0 + u, v], -1)])
+    triangles = np.concatenate([faces, faces + len(u)])
+    return build_mesh("corner", side * np.concatenate([floor, wall]), triangles, uv, None)
+
+
+def test_light_that_cloth_sends_to_cloth_shows_threads(renderer):
+    """A floor in no light but what a wall throws back: threads as `reference` finds them direction by direction."""
+    fabric = even("houndstooth")
+    sun = Suns(np.array([[-1.0, 0.0, 0.0]]), np.array([[9.0, 9.0, 9.0]]), 0.01)
+    lights = Lights(SphericalGaussians(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3))), sun)
+    view = Camera((-0.04, 0.0, 0.06), (0.003, 0.0, 0.0), (0.0, 0.0, 1.0), 14.0)
+    look = {**LOOK, "size": (24, 20), "mesh": corner(), "camera": view, "lights": lights, "shadows": "full", "cube": 12}
+    near, judge, far = (
+        renderer.render(fabric=f, method=method, **look)[..., 1]
+        for f, method in ((fabric, "direct"), (fabric, "reference"), (fabric.changed(weave=None), "direct"))
+    )
+    np.testing.assert_allclose(near.mean(), far.mean(), rtol=0.02)
+    threads, right = near / far, judge / judge.mean()
+    assert threads.std() > 0.2
+    assert np.corrcoef(threads.ravel(), right.ravel())[0, 1] > 0.9
+    assert 0.8 < threads.std() / right.std() < 1.2
+
+
 def test_parts_are_the_whole(renderer):
     fabric = load_fabric("houndstooth")
     frame = renderer.prepare(fabric=fabric, mesh=patch(fabric, 0.05), camera=camera(30, 20, 0.05), **LOOK)

@@ -20,3 +20,4 @@ void fetch_weave(ivec2 pixel) {
 
 // The colour of sums of surface and volume terms, of warp and of weft.
 vec3 woven(vec4 sums) { return sums.x + pixel_A[0] * sums.y + sums.z + pixel_A[1] * sums.w; }
+#include "inputs/methods/even.glsl"

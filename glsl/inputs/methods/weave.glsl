@@ -189,3 +189,4 @@ vec3 woven(vec4 sums) {
     sums *= strands;
     return sums.x + pixel_A[0] * sums.y + sums.z + pixel_A[1] * sums.w;
 }
+#include "inputs/methods/even.glsl"

@@ -12,6 +12,9 @@ const float HORIZON = 0.4;  // of the sine of the height: so softly the few dire
 vec3 up;                    // in the surface frame
 float softness;
 vec3 viewer;                // likewise
+#ifdef WEAVE
+vec3 seen_evenly();         // inputs/methods/even.glsl
+#endif
 mat3 seen_frame;            // the surface frame
 
 void fetch_visibility(ivec2 pixel) {
@@ -28,7 +31,8 @@ float V_broad(vec3 omega) {
 }
 
 // Bounced light comes from all over the hemisphere, more of it from its mean direction: the fabric reflects it toward
-// the viewer as it does a white furnace, and as much more or less as its first moment says.
+// the viewer as it does a white furnace, and as much more or less as its first moment says; a pixel that shows threads or a print
+// has its share of that.
 vec3 with_bounce(vec3 L) {
     if (albedo == vec3(0.0)) return L;
     vec3 back = texelFetch(bounced_light, ivec3(seen_pixel, 0), 0).rgb;
@@ -37,5 +41,9 @@ vec3 with_bounce(vec3 L) {
     vec2 place = vec2(atan(viewer.y, viewer.x) / (2.0 * PI), viewer.z);
     vec4 furnace = textureLod(views, vec3(place, 0.0), 0.0);
     float lean = dot(vec2(furnace.a, textureLod(views, vec3(place, 1.0), 0.0).r), from);
-    return L + back * furnace.rgb * max(1.0 + lean, 0.0);
+    back *= furnace.rgb * max(1.0 + lean, 0.0);
+#ifdef WEAVE
+    back *= seen_evenly();
+#endif
+    return L + back;
 }
