@@ -288,7 +288,7 @@ class ClothSurface(Surface):
             near,
             far,
             shading(self.ctx, "shade_terms", terms, virtual, self.way),
-            7 * groups + 1,
+            7 * groups + 2,
             programs(self.ctx).compute("passes/picture/shade_list.comp", defines, {**self._virtual(), **woven}),
             defines,
             woven,

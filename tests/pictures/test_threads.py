@@ -114,7 +114,9 @@ def corner(side=0.04, cells=6):
     u, v = (a.ravel() for a in np.meshgrid(q, q, indexing="ij"))
     floor, wall = np.stack([u, v, 0 * u], -1), np.stack([0.5 + 0 * u, v, u + 0.5], -1)
     k = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
-    faces = np.concatenate([np.stack(f, -1) for f in ((k, k + cells + 1, k + 1), (k + 1, k + cells + 1, k + cells + 2))])
+    faces = np.concatenate(
+        [np.stack(f, -1) for f in ((k, k + cells + 1, k + 1), (k + 1, k + cells + 1, k + cells + 2))]
+    )
     uv = side * np.concatenate([np.stack([u, v], -1), np.stack([1.0 + u, v], -1)])
     triangles = np.concatenate([faces, faces + len(u)])
     return build_mesh("corner", side * np.concatenate([floor, wall]), triangles, uv, None)
@@ -136,6 +138,9 @@ def test_light_that_cloth_sends_to_cloth_shows_threads(renderer):
     assert threads.std() > 0.2
     assert np.corrcoef(threads.ravel(), right.ravel())[0, 1] > 0.9
     assert 0.8 < threads.std() / right.std() < 1.2
+    look["size"] = (96, 80)
+    whole, adaptive = (renderer.render(fabric=fabric, adaptive=on, **look)[..., 1] for on in (False, True))
+    assert np.abs(adaptive - whole).mean() < 0.01 * whole.mean()
 
 
 def test_parts_are_the_whole(renderer):

@@ -56,6 +56,7 @@ vec3 of_threads(ivec2 pixel) {
         L[c] += dot(s * color_s[c], seen * strand_s - 1.0) + dot(v * color_v[c], seen * strand_v * near_A - far_A); \
     } }
     EACH_GROUP(ADD_SEEN)
+    L += TERM(7 * GROUPS + 1).rgb * (seen_evenly() - 1.0);
     return L / term_scale;
 }
 #endif
