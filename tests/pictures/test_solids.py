@@ -18,7 +18,7 @@ from glcloth.geometry.mesh_files import BALL, PLINTH, TABLE, load_mesh, load_sol
 from glcloth.geometry.props import RINGS, SECTORS, Ground, Objects, stand_on
 from glcloth.gpu.scene_buffers import SceneBuffers
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
-from glcloth.scene import Scene, load_scene
+from glcloth.scene import Scene, View, load_scene
 from glcloth.twins.ground import ground_place
 from glcloth.twins.lambert import gaussian_irradiance
 from glcloth.visibility.bounce import Bounce
@@ -305,6 +305,12 @@ def test_ground_lies_just_under_the_lowest_point(renderer):
     assert frame.objects.ground.height == pytest.approx(-0.5 - 0.002 * cloth.radius)
     assert renderer.prepare(frame.scene, mesh=cloth).objects is frame.objects
     assert renderer.prepare(mesh=cloth).objects is None
+
+
+def test_cloth_is_seen_from_a_centimetre_over_a_ground_without_end(renderer):
+    eye = {"eye": (0.1, 0.01, 0.1), "target": (0.1, 0.0, 0.1), "up": (0.0, 0.0, -1.0), "fov_deg": 30.0}
+    look = dict(mesh="plane", ground=-0.5, size=(8, 8), shadows="off", camera=View(**eye), aovs="depth")
+    np.testing.assert_allclose(renderer.render(**look)["depth"][3:5, 3:5], 0.01, rtol=0.01)
 
 
 def test_objects_bring_their_colours(tmp_path, capsys):
