@@ -309,7 +309,9 @@ def test_ground_lies_just_under_the_lowest_point(renderer):
 
 def test_cloth_is_seen_from_a_centimetre_over_a_ground_without_end(renderer):
     eye = {"eye": (0.1, 0.01, 0.1), "target": (0.1, 0.0, 0.1), "up": (0.0, 0.0, -1.0), "fov_deg": 30.0}
-    look = dict(mesh="plane", ground=-0.5, size=(8, 8), shadows="off", camera=View(**eye), aovs="depth")
+    corners = np.array([[-1.0, 0, -1], [-1.0, 0, 1], [1.0, 0, 1], [1.0, 0, -1]])
+    sheet = build_mesh("sheet", corners, np.array([[0, 1, 2], [0, 2, 3]]), corners[:, ::2], None)
+    look = dict(mesh=sheet, fabric="linen", ground=-0.5, size=(8, 8), shadows="off", camera=View(**eye), aovs="depth")
     np.testing.assert_allclose(renderer.render(**look)["depth"][3:5, 3:5], 0.01, rtol=0.01)
 
 
