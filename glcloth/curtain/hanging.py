@@ -25,6 +25,8 @@ CONVERGED = 0.021  # D h^2 / (mass spacing^4): there the sag of a strip is 2.4 %
 GAP = 1.05  # spacings along a row that folds keep from each other
 # Where gusts exceed 1 m/s: folds keep further apart, the cloth is not crushed through itself, and its weave locks on the bias.
 STRONG = {"gap": 1.4, "least_fold": 0.8, "shear": 40.0}
+# Half diagonals of a cell that folds keep apart then, at least: less, and a vertex slips through the middle of a narrow cell.
+CLOSED = 1.2
 ROD = 0.1376  # m, from the window to the middle of the built-in room's rod
 LIVE = ("color", "wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
 
@@ -103,9 +105,12 @@ class CurtainSimulation:
         m, cloth = self.parameters, self.cloth
         cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
         strong = max(gusts(m), self.pushed) > 1.0
-        own = {"gap": GAP, "least_fold": 0.0, "shear": m.shear} | (STRONG if strong else {})
-        own["gap"] *= cloth.parameters.spacing[0]
+        spacing = cloth.parameters.spacing
+        own = {"gap": GAP, "least_fold": 0.0, "shear": m.shear, "apart": 0.0} | (STRONG if strong else {})
+        own["gap"] *= spacing[0]
         own["shear"] = max(own["shear"], m.shear)
+        if strong and STRONG:
+            own["gap"] = own["apart"] = max(own["gap"], CLOSED * math.hypot(*spacing) / 2)
         cloth.set_parameters(dataclasses.replace(cloth.parameters, **own))
         # Once it turns it may turn back.
         if strong and m.heading != "rings" and cloth.rail is None:

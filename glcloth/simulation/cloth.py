@@ -53,7 +53,8 @@ class ClothParameters:
     of the sheet along a yarn, N m. damping: share of the velocity lost per second, 1/s. drag: coefficients (across,
     along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap:
     kept between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only
-    those of one row, at most so many columns apart. least_fold: share of their distance in the flat cloth that vertices
+    those of one row, at most so many columns apart. apart: vertices nearer than that in the flat cloth are one layer, and
+    need not keep the gap, m (neighbours never need to). least_fold: share of their distance in the flat cloth that vertices
     at most two rows and columns apart keep, so that it is not crushed through itself (0 = not looked at). hem: factor on
     the mass of the last row. air_substeps: for how many substeps the air's force serves. rows_last: solve columns before
     rows; the last ones solved stretch least.
@@ -70,6 +71,7 @@ class ClothParameters:
     thickness: float = 0.003
     gap: float = 0.0
     contact_columns: int = 0
+    apart: float = 0.0
     least_fold: float = 0.0
     hem: float = 1.0
     gravity: tuple[float, float, float] = (0.0, -9.81, 0.0)
@@ -86,14 +88,18 @@ class ClothParameters:
                 raise InputError(f"cloth: {name} = {value}, must be > 0; change it")
         if not 0 <= self.least_fold < 1:
             raise InputError(f"cloth: least_fold = {self.least_fold}, must be from 0 to less than 1; change it")
-        for name in ("shear", "bending", "damping", "friction", "thickness", "gap"):
+        for name in ("shear", "bending", "damping", "friction", "thickness", "gap", "apart"):
             if not getattr(self, name) >= 0:
                 raise InputError(f"cloth: {name} = {getattr(self, name)}, must be >= 0; change it")
         if min(self.drag) < 0:
             raise InputError(f"cloth: drag = {self.drag}, must be >= 0; change it")
         # Between rows nothing is looked at when contact_columns is set: then only the spacing in a row matters.
         widest, narrowest = (self.spacing[0],) * 2 if self.contact_columns else (max(self.spacing), min(self.spacing))
-        if self.gap and not widest <= self.gap <= 2 * narrowest:
+        least, most = widest, 2 * narrowest
+        if self.apart >= self.gap:
+            # Neighbours do not push each other apart, and no vertex is further from a layer's own than half a cell's diagonal.
+            least, most = (least if self.contact_columns else math.hypot(*self.spacing) / 2), math.inf
+        if self.gap and not least <= self.gap <= most:
             raise InputError(
                 f"cloth: gap = {self.gap} m, must be 0 or between the spacing and twice the spacing {self.spacing}; "
                 "change it or the number of vertices"
@@ -191,8 +197,6 @@ class Cloth:
         # Four-byte words of each buffer, by its name in the passes.
         words = {"Position": 4 * V, "Previous": 4 * V, "Velocity": 4 * V, "Air": 4 * V, "AirForce": 8 * self.quad_count}
         words |= {"Eliminated": 2 * V, "Normal": 4 * V, "Tangent": 4 * V, "Contact": 4 * V if parameters.gap else 4}
-        if parameters.gap and not parameters.contact_columns:
-            words |= {"Count": self.table_size, "Begin": self.table_size, "Cursor": self.table_size, "Member": V}
         if parameters.gap:
             words |= {"Near": V * CONSTANTS["MAX_NEAR"], "NearCount": V, "Overflow": 1}
         self._buffers: dict[str, Buffer] = {
@@ -202,6 +206,7 @@ class Cloth:
             for name, count in words.items()
         }
         self._sizes = {"rows": self.rows, "columns": self.columns, "vertex_count": V, "table_size": self.table_size}
+        self._need_hash()
         self.position_buffer = self._buffers["Position"]
         self.normal_buffer = self._buffers["Normal"]
         self.tangent_buffer = self._buffers["Tangent"]
@@ -213,6 +218,12 @@ class Cloth:
         share_u[[0, -1]] = share_v[[0, -1]] = 0.5
         share_v[-1] *= self.parameters.hem
         return np.outer(share_v, share_u) * math.prod(self.parameters.spacing) * self.parameters.mass
+
+    def _need_hash(self) -> None:
+        """Have the buffers of the spatial hash, where vertices of all rows may meet."""
+        if self.parameters.gap and not self.parameters.contact_columns and "Count" not in self._buffers:
+            words = {name: self.table_size for name in ("Count", "Begin", "Cursor")} | {"Member": self.vertex_count}
+            self._buffers |= {name: Buffer(self.ctx, bytes(4 * count)) for name, count in words.items()}
 
     def _run(self, path: str, items: int, *inputs: dict[str, Any], **own: Any) -> None:
         programs(self.ctx).compute(path).run(items, self._buffers, self._sizes, *inputs, **own)
@@ -303,13 +314,14 @@ class Cloth:
         m, V = self.parameters, self.vertex_count
         reach = self.LIST_REACH * m.gap
         if m.contact_columns and self.substeps_done % self.ROW_LIST_SUBSTEPS == 0:
-            self._run("passes/simulation/near_rows.comp", V, window=m.contact_columns, reach=reach)
+            woven = max(1, math.ceil(m.apart / m.spacing[0]) - 1)
+            self._run("passes/simulation/near_rows.comp", V, window=m.contact_columns, reach=reach, woven=woven)
         elif not m.contact_columns and self.substeps_done % self.LIST_SUBSTEPS == 0:
             self._run("passes/simulation/count.comp", V, cell_size=reach)
             self._run("passes/simulation/scan.comp", 1)
             self._run("passes/simulation/fill.comp", V, cell_size=reach)
             self._run("passes/simulation/sort.comp", self.table_size)
-            self._run("passes/simulation/near.comp", V, cell_size=reach)
+            self._run("passes/simulation/near.comp", V, cell_size=reach, spacing=m.spacing, apart=m.apart)
         folds = {"spacing": m.spacing, "least": m.least_fold} if m.least_fold else {}
         contact = programs(self.ctx).compute("passes/simulation/contact.comp", {"FOLDS": int(m.least_fold > 0)})
         contact.run(V, self._buffers, self._sizes, gap=m.gap, mu=m.friction, **folds)
@@ -349,6 +361,7 @@ class Cloth:
             raise InputError("cloth: spacing and self-contact are fixed once it hangs; make another cloth")
         heavier = (parameters.mass, parameters.hem) != (self.parameters.mass, self.parameters.hem)
         self.parameters = parameters
+        self._need_hash()
         if heavier:
             self.inverse_mass = np.where(self.inverse_mass > 0.0, 1.0 / self._masses(), 0.0)
             self.set_state(self.positions(), self.velocities())

@@ -16,6 +16,8 @@ uniform int vertex_count;
 uniform int columns;
 uniform int table_size;
 uniform float cell_size;
+uniform vec2 spacing;        // m of the flat cloth, along a row and down a column
+uniform float apart;         // m: vertices nearer than that in the flat cloth are one layer
 
 void main() {
     int index = item();
@@ -35,7 +37,9 @@ void main() {
             vec3 there = x[other].xyz;
             vec3 e = there - here;
             int other_i = other / columns;
-            bool woven = abs(other_i - i) <= 1 && abs(other - other_i * columns - j) <= 1;
+            ivec2 off = ivec2(other - other_i * columns - j, other_i - i);
+            vec2 flat_off = vec2(off) * spacing;
+            bool woven = abs(off.x) <= 1 && abs(off.y) <= 1 || dot(flat_off, flat_off) < apart * apart;
             // Another cell may share the bucket: its vertices are met in their own cell, or are too far.
             if (!woven && dot(e, e) < cell_size * cell_size && floor(there / cell_size) == cell) {
                 if (found < MAX_NEAR) {

@@ -12,6 +12,7 @@ uniform int vertex_count;
 uniform int columns;
 uniform int window;      // columns to look at on either side
 uniform float reach;     // m
+uniform int woven;       // so many columns on either side are one layer
 
 void main() {
     int index = item();
@@ -24,7 +25,7 @@ void main() {
     int found = 0;
     for (int k = max(0, j - window); k <= min(columns - 1, j + window); k++) {
         vec3 e = texelFetch(Position, row + k).xyz - here;
-        if (abs(k - j) > 1 && dot(e, e) < reach * reach) {
+        if (abs(k - j) > woven && dot(e, e) < reach * reach) {
             if (found < MAX_NEAR) {
                 near[index * MAX_NEAR + found] = row + k;
             }
