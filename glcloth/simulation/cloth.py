@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import moderngl
 import numpy as np
@@ -206,7 +206,6 @@ class Cloth:
             for name, count in words.items()
         }
         self._sizes = {"rows": self.rows, "columns": self.columns, "vertex_count": V, "table_size": self.table_size}
-        self._need_hash()
         self.position_buffer = self._buffers["Position"]
         self.normal_buffer = self._buffers["Normal"]
         self.tangent_buffer = self._buffers["Tangent"]
@@ -220,17 +219,23 @@ class Cloth:
         return np.outer(share_v, share_u) * math.prod(self.parameters.spacing) * self.parameters.mass
 
     def _need_hash(self) -> None:
-        """Have the buffers of the spatial hash, where vertices of all rows may meet."""
-        if self.parameters.gap and not self.parameters.contact_columns and "Count" not in self._buffers:
+        """Have the buffers of the spatial hash."""
+        if "Count" not in self._buffers:
             words = {name: self.table_size for name in ("Count", "Begin", "Cursor")} | {"Member": self.vertex_count}
             self._buffers |= {name: Buffer(self.ctx, bytes(4 * count)) for name, count in words.items()}
 
     def _run(self, path: str, items: int, *inputs: dict[str, Any], **own: Any) -> None:
         programs(self.ctx).compute(path).run(items, self._buffers, self._sizes, *inputs, **own)
 
-    def hang_before(self, backdrop: Backdrop) -> None:
-        """Let another cloth keep this one out from now on."""
+    def hang_before(self, backdrop: Backdrop | None) -> None:
+        """Let another cloth keep this one out from now on; None: no longer."""
         self.backdrop = backdrop
+        if backdrop is None:
+            self._solids = solids_glsl(self.colliders)
+            return
+        if self._rail_data is not None:
+            self._solids = solids_glsl(self.colliders, backdrop=True)
+            return
         rail = np.ascontiguousarray(self.positions()[0, :, 2], np.float32)
         self._rail_data = TextureBuffer(self.ctx, rail.tobytes(), "r32f")
         self._solids = solids_glsl(self.colliders, backdrop=True)
@@ -241,38 +246,40 @@ class Cloth:
 
     def steps(self, dt: float) -> Iterator[None]:
         """As `step`, for a caller with other things to do in between: yields after every `air_substeps` substeps."""
+        yield from steps_together([self], dt)
+
+    def _values(self, dt: float) -> dict[str, Any]:
+        """What `_advance` takes in a step of dt seconds."""
         if not (dt > 0 and math.isfinite(dt)):
             raise InputError(f"cloth: time step {dt} s, must be > 0; change it")
         m = self.parameters
         h = dt / m.substeps
         # Faster than half a gap in a substep, and two layers could change sides unseen.
         limit = min(m.speed_limit, 0.5 * m.gap / h) if m.gap else m.speed_limit
-        values = {
+        return {
             "h": h, "gravity": m.gravity, "speed_limit": limit, "thickness": m.thickness, "mu": m.friction,
             "keep": math.exp(-m.damping * h),
         }  # fmt: skip
-        for k in range(m.substeps):
-            # The air changes slowly: its force serves several substeps, limited as one step of that length.
-            renew = k % m.air_substeps == 0
-            if self.backdrop is not None:
-                values.update(self.backdrop.inputs(k / m.substeps), rail_data=self._rail_data, row_length=m.spacing[1])
-            if renew:
-                if k > 0:
-                    self._advance(values, finish=True)
-                    yield
-                duration = h * min(m.air_substeps, m.substeps - k)
-                if self.rail is not None:
-                    self.rail.turn(self._buffers, duration)
-                if max(m.drag) > 0:
-                    self._air(duration)
-            self._advance(values, finish=not renew, begin=True)
-            self._constraints(h)
-            self.time += h
-            self.substeps_done += 1
+
+    def _before(self, values: dict[str, Any], share: float) -> None:
+        """Take what hangs behind as it is when so much of the step has passed."""
         if self.backdrop is not None:
-            values.update(self.backdrop.inputs(1.0))
-        self._advance(values, finish=True)
-        yield
+            values.update(
+                self.backdrop.inputs(share), rail_data=self._rail_data, row_length=self.parameters.spacing[1]
+            )
+
+    def _begin(self, values: dict[str, Any], k: int) -> None:
+        """Begin substep k; where the air's force is not found anew, finish the one before."""
+        m = self.parameters
+        # The air changes slowly: its force serves several substeps, limited as one step of that length.
+        renew = k % m.air_substeps == 0
+        if renew:
+            duration = values["h"] * min(m.air_substeps, m.substeps - k)
+            if self.rail is not None:
+                self.rail.turn(self._buffers, duration)
+            if max(m.drag) > 0:
+                self._air(duration)
+        self._advance(values, finish=not renew, begin=True)
 
     def _advance(self, values: dict[str, Any], finish: bool = False, begin: bool = False) -> None:
         """Finish one substep, begin the next, or both."""
@@ -307,24 +314,30 @@ class Cloth:
                 backward=backward, rest=rest, stretch_h2=_compliance(m.stretch * width / rest, h),
                 bend_h2=_compliance(m.bending * width / rest**3, h),
             )  # fmt: skip
-        if m.gap:
-            self._contact()
 
-    def _contact(self) -> None:
+    def _contact(self, met: dict[str, Any]) -> None:
+        """Find how far contact moves the vertices; `met`: the contacts with other cloths, if there are any."""
         m, V = self.parameters, self.vertex_count
         reach = self.LIST_REACH * m.gap
         if m.contact_columns and self.substeps_done % self.ROW_LIST_SUBSTEPS == 0:
             woven = max(1, math.ceil(m.apart / m.spacing[0]) - 1)
             self._run("passes/simulation/near_rows.comp", V, window=m.contact_columns, reach=reach, woven=woven)
         elif not m.contact_columns and self.substeps_done % self.LIST_SUBSTEPS == 0:
-            self._run("passes/simulation/count.comp", V, cell_size=reach)
-            self._run("passes/simulation/scan.comp", 1)
-            self._run("passes/simulation/fill.comp", V, cell_size=reach)
-            self._run("passes/simulation/sort.comp", self.table_size)
+            self._sort_into_cells(reach)
             self._run("passes/simulation/near.comp", V, cell_size=reach, spacing=m.spacing, apart=m.apart)
         folds = {"spacing": m.spacing, "least": m.least_fold} if m.least_fold else {}
-        contact = programs(self.ctx).compute("passes/simulation/contact.comp", {"FOLDS": int(m.least_fold > 0)})
-        contact.run(V, self._buffers, self._sizes, gap=m.gap, mu=m.friction, **folds)
+        defines = {"FOLDS": int(m.least_fold > 0), **({"MEETS": 1} if met else {})}
+        contact = programs(self.ctx).compute("passes/simulation/contact.comp", defines)
+        contact.run(V, self._buffers, self._sizes, gap=m.gap, mu=m.friction, **folds, **met)
+
+    def _sort_into_cells(self, cell_size: float) -> dict[str, Any]:
+        """Sort the vertices, as they are now, into the spatial hash; returns what looks into it binds."""
+        self._need_hash()
+        self._run("passes/simulation/count.comp", self.vertex_count, cell_size=cell_size)
+        self._run("passes/simulation/scan.comp", 1)
+        self._run("passes/simulation/fill.comp", self.vertex_count, cell_size=cell_size)
+        self._run("passes/simulation/sort.comp", self.table_size)
+        return {name: self._buffers[name] for name in ("Begin", "Cursor", "Member")} | {"table_size": self.table_size}
 
     def update_frames(self) -> None:
         """Compute `normal_buffer` and `tangent_buffer` from the present positions."""
@@ -361,7 +374,6 @@ class Cloth:
             raise InputError("cloth: spacing and self-contact are fixed once it hangs; make another cloth")
         heavier = (parameters.mass, parameters.hem) != (self.parameters.mass, self.parameters.hem)
         self.parameters = parameters
-        self._need_hash()
         if heavier:
             self.inverse_mass = np.where(self.inverse_mass > 0.0, 1.0 / self._masses(), 0.0)
             self.set_state(self.positions(), self.velocities())
@@ -385,6 +397,42 @@ class Cloth:
         self._buffers.clear()
         if self.rail is not None:
             self.rail.release()
+
+
+class Contacts(Protocol):
+    """Finds the contacts between cloths."""
+
+    def contacts(self, mu: float) -> list[dict[str, Any]]:
+        """Those of each cloth, as they are now: what its contact pass binds."""
+
+
+def steps_together(cloths: Sequence[Cloth], dt: float, meeting: Contacts | None = None) -> Iterator[None]:
+    """Advance cloths that have as many substeps by dt seconds, substep by substep; as `Cloth.steps`.
+
+    meeting : what keeps them from passing through each other; each has self-contact then
+    """
+    first = cloths[0].parameters
+    values = [cloth._values(dt) for cloth in cloths]
+    for k in range(first.substeps):
+        for cloth, own in zip(cloths, values, strict=True):
+            cloth._before(own, k / first.substeps)
+        if k > 0 and k % first.air_substeps == 0:
+            for cloth, own in zip(cloths, values, strict=True):
+                cloth._advance(own, finish=True)
+            yield
+        for cloth, own in zip(cloths, values, strict=True):
+            cloth._begin(own, k)
+            cloth._constraints(own["h"])
+        met = meeting.contacts(first.friction) if meeting is not None else [{} for _ in cloths]
+        for cloth, own, others in zip(cloths, values, met, strict=True):
+            if cloth.parameters.gap:
+                cloth._contact(others)
+            cloth.time += own["h"]
+            cloth.substeps_done += 1
+    for cloth, own in zip(cloths, values, strict=True):
+        cloth._before(own, 1.0)
+        cloth._advance(own, finish=True)
+    yield
 
 
 def _compliance(stiffness: float, h: float) -> float:

@@ -1,11 +1,16 @@
 #version 430
 // Contact, step 5: list for each vertex the vertices within one cell size that are not its own neighbours in the weave.
-// The lists serve several substeps. One invocation per vertex.
+// The lists serve several substeps. OTHER: vertices of another cloth instead. One invocation per vertex.
 #include "simulate/shared.glsl"
 #include "simulate/contact.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 layout(std430) readonly buffer Position { vec4 x[]; };
+#ifdef OTHER
+layout(std430) readonly buffer OtherPosition { vec4 other_x[]; };
+#else
+#define other_x x
+#endif
 layout(std430) readonly buffer Begin { int begin[]; };
 layout(std430) readonly buffer Cursor { int cursor[]; };
 layout(std430) readonly buffer Member { int member[]; };
@@ -34,12 +39,16 @@ void main() {
         int slot = bucket(cell, table_size);
         for (int m = begin[slot]; m < cursor[slot]; m++) {
             int other = member[m];
-            vec3 there = x[other].xyz;
+            vec3 there = other_x[other].xyz;
             vec3 e = there - here;
+#ifdef OTHER
+            const bool woven = false;
+#else
             int other_i = other / columns;
             ivec2 off = ivec2(other - other_i * columns - j, other_i - i);
             vec2 flat_off = vec2(off) * spacing;
             bool woven = abs(off.x) <= 1 && abs(off.y) <= 1 || dot(flat_off, flat_off) < apart * apart;
+#endif
             // Another cell may share the bucket: its vertices are met in their own cell, or are too far.
             if (!woven && dot(e, e) < cell_size * cell_size && floor(there / cell_size) == cell) {
                 if (found < MAX_NEAR) {
