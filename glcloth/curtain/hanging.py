@@ -108,7 +108,9 @@ class CurtainSimulation:
         cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
         strong = self.strong
         spacing = cloth.parameters.spacing
-        own: dict[str, Any] = {"gap": GAP, "least_fold": 0.0, "shear": m.shear, "apart": 0.0} | (STRONG if strong else {})
+        own: dict[str, Any] = {"gap": GAP, "least_fold": 0.0, "shear": m.shear, "apart": 0.0} | (
+            STRONG if strong else {}
+        )
         own["contact_columns"] = int((PILES if strong else MEETS) * m.quads[0] / m.pleats)
         own["gap"] *= spacing[0]
         own["shear"] = max(own["shear"], m.shear)

@@ -15,7 +15,7 @@ buckets are sorted, so that they do not depend on the order of atomic operations
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -35,6 +35,8 @@ CONSTANTS, _ = shared("simulate/shared.glsl")
 FETCHED = {"Position": "rgba32f", "Previous": "rgba32f", "Velocity": "rgba32f", "AirForce": "rgba32f"}
 FETCHED |= {"Near": "r32i", "NearCount": "r32i"}
 
+NOTHING: Mapping[str, Any] = {}
+
 
 @dataclass(frozen=True)
 class Wind:
@@ -53,7 +55,7 @@ class ClothParameters:
     of the sheet along a yarn, N m. damping: share of the velocity lost per second, 1/s. drag: coefficients (across,
     along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap:
     kept between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only
-    those of one row, at most so many columns apart. apart: vertices nearer than that in the flat cloth are one layer, and
+    those of one row, at most so many columns apart, and of contact_rows above and below. apart: vertices nearer than that in the flat cloth are one layer, and
     need not keep the gap, m (neighbours never need to). least_fold: share of their distance in the flat cloth that vertices
     at most two rows and columns apart keep, so that it is not crushed through itself (0 = not looked at). hem: factor on
     the mass of the last row. air_substeps: for how many substeps the air's force serves. rows_last: solve columns before
@@ -71,6 +73,7 @@ class ClothParameters:
     thickness: float = 0.003
     gap: float = 0.0
     contact_columns: int = 0
+    contact_rows: int = 0
     apart: float = 0.0
     least_fold: float = 0.0
     hem: float = 1.0
@@ -264,9 +267,7 @@ class Cloth:
     def _before(self, values: dict[str, Any], share: float) -> None:
         """Take what hangs behind as it is when so much of the step has passed."""
         if self.backdrop is not None:
-            values.update(
-                self.backdrop.inputs(share), rail_data=self._rail_data, row_length=self.parameters.spacing[1]
-            )
+            values.update(self.backdrop.inputs(share), rail_data=self._rail_data, row_length=self.parameters.spacing[1])
 
     def _begin(self, values: dict[str, Any], k: int) -> None:
         """Begin substep k; where the air's force is not found anew, finish the one before."""
@@ -315,13 +316,16 @@ class Cloth:
                 bend_h2=_compliance(m.bending * width / rest**3, h),
             )  # fmt: skip
 
-    def _contact(self, met: dict[str, Any]) -> None:
+    def _contact(self, met: Mapping[str, Any] = NOTHING) -> None:
         """Find how far contact moves the vertices; `met`: the contacts with other cloths, if there are any."""
         m, V = self.parameters, self.vertex_count
         reach = self.LIST_REACH * m.gap
         if m.contact_columns and self.substeps_done % self.ROW_LIST_SUBSTEPS == 0:
             woven = max(1, math.ceil(m.apart / m.spacing[0]) - 1)
-            self._run("passes/simulation/near_rows.comp", V, window=m.contact_columns, reach=reach, woven=woven)
+            self._run(
+                "passes/simulation/near_rows.comp", V, window=m.contact_columns, row_window=m.contact_rows, reach=reach,
+                woven=woven,
+            )  # fmt: skip
         elif not m.contact_columns and self.substeps_done % self.LIST_SUBSTEPS == 0:
             self._sort_into_cells(reach)
             self._run("passes/simulation/near.comp", V, cell_size=reach, spacing=m.spacing, apart=m.apart)
