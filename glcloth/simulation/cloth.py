@@ -53,11 +53,11 @@ class ClothParameters:
     spacing: distance of neighbouring vertices of the flat cloth along a row and down a column, m. mass: kg/m^2.
     stretch, shear: stiffness of the sheet along the yarns and on the bias, N/m (inf = does not give). bending: rigidity
     of the sheet along a yarn, N m. damping: share of the velocity lost per second, 1/s. drag: coefficients (across,
-    along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap:
-    kept between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only
-    those of one row, at most so many columns apart, and of contact_rows above and below. apart: vertices nearer than that in the flat cloth are one layer, and
-    need not keep the gap, m (neighbours never need to). least_fold: share of their distance in the flat cloth that vertices
-    at most two rows and columns apart keep, so that it is not crushed through itself (0 = not looked at). hem: factor on
+    along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap: kept
+    between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only those at
+    most so many columns apart, of one row and of contact_rows above and below. apart: vertices nearer than that in the flat
+    cloth are one layer, and need not keep the gap, m (neighbours never need to). least_fold: share of their distance that
+    vertices at most two rows and columns apart keep, so that it is not crushed through itself (0 = not looked at). hem: factor on
     the mass of the last row. air_substeps: for how many substeps the air's force serves. rows_last: solve columns before
     rows; the last ones solved stretch least.
     """
