@@ -28,8 +28,9 @@ GAP = 1.05  # spacings along a row that folds keep from each other
 STRONG = {"gap": 1.4, "least_fold": 0.8, "shear": 40.0}
 # Half diagonals of a cell that folds keep apart then, at least: less, and a vertex slips through the middle of a narrow cell.
 CLOSED = 1.2
-# Pleats meet side by side, so a row need only heed itself, so many pleats to either side; in strong wind they pile up.
-MEETS, PILES = 1.5, 4.5
+# Pleats meet side by side, so a row need only heed itself, so many pleats to either side. In strong wind narrow ones pile up, and
+# meet the rows above and below, too.
+MEETS, PILES = 1.5, 3.0
 ROD = 0.1376  # m, from the window to the middle of the built-in room's rod
 LIVE = ("color", "wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
 
@@ -108,14 +109,17 @@ class CurtainSimulation:
         cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
         strong = self.strong
         spacing = cloth.parameters.spacing
-        own: dict[str, Any] = {"gap": GAP, "least_fold": 0.0, "shear": m.shear, "apart": 0.0} | (
+        own: dict[str, Any] = {"gap": GAP, "least_fold": 0.0, "shear": m.shear, "apart": 0.0, "contact_rows": 0} | (
             STRONG if strong else {}
         )
-        own["contact_columns"] = int((PILES if strong else MEETS) * m.quads[0] / m.pleats)
+        own["contact_columns"] = int(MEETS * m.quads[0] / m.pleats)
         own["gap"] *= spacing[0]
         own["shear"] = max(own["shear"], m.shear)
         if strong and STRONG:
-            own["gap"] = own["apart"] = max(own["gap"], CLOSED * math.hypot(*spacing) / 2)
+            closed = CLOSED * math.hypot(*spacing) / 2
+            if closed > own["gap"]:
+                own |= {"contact_columns": int(PILES * m.quads[0] / m.pleats), "contact_rows": 1}
+            own["gap"] = own["apart"] = max(own["gap"], closed)
         cloth.set_parameters(dataclasses.replace(cloth.parameters, **own))
         # Once it turns it may turn back.
         if strong and m.heading != "rings" and cloth.rail is None:
