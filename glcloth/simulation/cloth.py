@@ -160,6 +160,8 @@ class Cloth:
     LIST_SUBSTEPS = 4
     ROW_LIST_SUBSTEPS = 6
     LIST_REACH = 1.6
+    # Spacings that contact moves a vertex in a substep at most, where folds are minded.
+    MOST_PUSH = 0.05
 
     def __init__(
         self,
@@ -329,7 +331,8 @@ class Cloth:
         elif not m.contact_columns and self.substeps_done % self.LIST_SUBSTEPS == 0:
             self._sort_into_cells(reach)
             self._run("passes/simulation/near.comp", V, cell_size=reach, spacing=m.spacing, apart=m.apart)
-        folds = {"spacing": m.spacing, "least": m.least_fold} if m.least_fold else {}
+        most = self.MOST_PUSH * min(m.spacing)
+        folds = {"spacing": m.spacing, "least": m.least_fold, "most": most} if m.least_fold else {}
         defines = {"FOLDS": int(m.least_fold > 0), **({"MEETS": 1} if met else {})}
         contact = programs(self.ctx).compute("passes/simulation/contact.comp", defines)
         contact.run(V, self._buffers, self._sizes, gap=m.gap, mu=m.friction, **folds, **met)

@@ -20,6 +20,7 @@ uniform float mu;
 uniform int columns;
 uniform vec2 spacing;   // m, along a row and down a column
 uniform float least;    // share of their distance in the flat cloth that neighbours keep
+uniform float most;     // m: further contact moves no vertex in a substep, or threads would be stretched by it
 #endif
 
 void main() {
@@ -66,5 +67,9 @@ void main() {
         contacts += folded ? 1.0 : 0.0;
     }
 #endif
-    shift[index] = vec4(contacts > 0.0 ? sum / contacts : vec3(0.0), 0.0);
+    vec3 mean = contacts > 0.0 ? sum / contacts : vec3(0.0);
+#if FOLDS == 1
+    mean *= min(1.0, most / max(length(mean), 1e-9));
+#endif
+    shift[index] = vec4(mean, 0.0);
 }
