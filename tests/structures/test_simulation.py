@@ -54,7 +54,12 @@ def top_row(positions):
 
 
 def crossings(positions, triangles):
-    """How many edges pass through triangles that they share no vertex with, by brute force over near pairs."""
+    """How many edges pass through triangles that they share no vertex with; an edge counts for each triangle."""
+    return len(crossing_edges(positions, triangles))
+
+
+def crossing_edges(positions, triangles):
+    """The edges [N, 2] that pass through triangles that they share no vertex with, by brute force over near pairs."""
     edges = np.unique(
         np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1), axis=0
     )
@@ -74,7 +79,7 @@ def crossings(positions, triangles):
     q = np.cross(s, u)
     b_1, b_2, along = f * np.sum(s * h, 1), f * np.sum(d * q, 1), f * np.sum(v * q, 1)
     inside = (b_1 >= 0) & (b_2 >= 0) & (b_1 + b_2 <= 1) & (along >= 0) & (along <= 1) & (f != 0)
-    return int(inside.sum())
+    return edges[e[inside]]
 
 
 def test_line_pass_is_the_exact_solution(make):
