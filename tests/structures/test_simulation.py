@@ -287,6 +287,27 @@ def test_near_rows_are_those_of_a_tree(make):
             assert near[vertex, : count[vertex]].tolist() == expected[np.argsort(expected)].tolist(), vertex
 
 
+def test_narrow_cells_close(make):
+    """A layer falls on another of the same rows that is off by half a row: a gap of 1.4 columns lets it through, and so, nearly,
+    does one of 1.2 half diagonals within the row alone."""
+    u, v, half = 0.016, 0.056, 14
+    j, i = np.meshgrid(np.arange(2 * half), np.arange(6))
+    upper = j >= half
+    x = np.where(upper, 2 * half - 1 - j + 0.5, j) * u
+    folded = np.stack([x, np.where(upper, 0.045, 0.0), v * (i + 0.5 * upper)], axis=-1)
+    fallen = {}
+    for gap, rows in ((1.4 * u, 0), (1.2 * np.hypot(u, v) / 2, 0), (1.2 * np.hypot(u, v) / 2, 1)):
+        cloth = make(
+            folded, spacing=(u, v), pinned=~upper, shear=0.0, stretch=1.0, bending=0.0, drag=(0, 0), gap=gap, apart=gap,
+            contact_columns=2 * half, contact_rows=rows, substeps=16,
+        )  # fmt: skip
+        for _ in range(5):
+            cloth.step(1 / 40)
+        fallen[gap > 1.5 * u, rows] = cloth.positions()[:5, half + 3 :, 1].min()
+    assert fallen[False, 0] < -0.01 and fallen[True, 0] < fallen[True, 1]
+    assert fallen[True, 1] > 0.01
+
+
 def test_cloths_that_meet_push_each_other(ctx, make):
     """Each push is that of all pairs of vertices by brute force; a sheet that flies into a heavier one goes on with it, neither
     goes through, and the motion of both together stays; two runs are equal."""
