@@ -28,8 +28,8 @@ GAP = 1.05  # spacings along a row that folds keep from each other
 STRONG = {"gap": 1.4, "least_fold": 0.8, "shear": 40.0}
 # Half diagonals of a cell that folds keep apart then, at least: less, and a vertex slips through the middle of a narrow cell.
 CLOSED = 1.2
-# Pleats meet side by side, so a row need only heed itself, so many pleats to either side. In strong wind narrow ones pile up, and so
-# do those that another cloth pushes; they meet the rows above and below, too.
+# Pleats meet side by side, so a row need only heed itself, so many pleats to either side. In strong wind narrow ones pile up, and
+# so do those that another cloth pushes; they meet the rows above and below, too.
 MEETS, PILES = 1.5, 3.0
 ROD = 0.1376  # m, from the window to the middle of the built-in room's rod
 LIVE = ("color", "wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
