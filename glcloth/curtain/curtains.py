@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,8 @@ import numpy as np
 from ..geometry.mesh import Mesh, build_mesh
 from ..scene import CurtainParameters
 from ..simulation.backdrop import Backdrop
-from .hanging import CurtainSimulation, gusts, pleated_rail
+from ..simulation.meeting import Meeting
+from .hanging import CLOSED, CurtainSimulation, gusts, pleated_rail
 
 BETWEEN = 0.03  # m, between the folds of two curtains at rest
 FRONT, BEHIND = 0, 1  # numbers of curtains, and of their fabrics
@@ -72,6 +74,7 @@ class Curtains:
         self.panels = panels_of(m, behind_openness)
         self.pieces: list[CurtainSimulation] = []
         self.backdrop: Backdrop | None = None
+        self.meeting: Meeting | None = None
         try:
             for panel in self.panels:
                 self.pieces.append(CurtainSimulation(ctx, panel.parameters, False, panel.shift))
@@ -102,13 +105,37 @@ class Curtains:
         self._take()
 
     def steps(self, dt: float) -> Iterator[None]:
-        """As those of a CurtainSimulation: those behind first, and then those before, as far as they are kept out."""
+        """As those of a CurtainSimulation: those behind first, and then those before, as far as they are kept out.
+
+        In strong wind all together, as they push each other.
+        """
+        meets = self.backdrop is not None and any(one.strong for one in self.pieces)
+        for one in self._of(FRONT):
+            if meets == (one.cloth.backdrop is not None):
+                one.cloth.hang_before(None if meets else self.backdrop)
+        if meets:
+            yield from self._together(dt)
+            return
         for one in self._of(BEHIND):
             yield from one.steps(dt)
         if self.backdrop is not None:
             self.backdrop.take()
         for one in self._of(FRONT):
             yield from one.steps(dt)
+
+    def _together(self, dt: float) -> Iterator[None]:
+        """Advance all, substep by substep, with contact between those before and those behind."""
+        if self.meeting is None:
+            gap = max(CLOSED * math.hypot(*one.cloth.parameters.spacing) / 2 for one in self.pieces)
+            sides = [one.cloth for one in self._of(FRONT)], [one.cloth for one in self._of(BEHIND)]
+            self.meeting = Meeting(self.pieces[0].cloth.ctx, sides, gap)
+        substeps = max(one.substeps(dt) for one in self.pieces)
+        for one in self.pieces:
+            one.take_substeps(substeps)
+        yield from self.meeting.steps(dt)
+        for one in self.pieces:
+            one.cloth.update_frames()
+        self._take()
 
     def _take(self) -> None:
         """Those behind hang still where they are."""
@@ -202,6 +229,8 @@ class Curtains:
             one.release()
         if self.backdrop is not None:
             self.backdrop.release()
+        if self.meeting is not None:
+            self.meeting.release()
 
 
 def joined(meshes: list[Mesh], name: str) -> Mesh:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator
+from typing import Any
 
 import moderngl
 import numpy as np
@@ -25,6 +26,11 @@ CONVERGED = 0.021  # D h^2 / (mass spacing^4): there the sag of a strip is 2.4 %
 GAP = 1.05  # spacings along a row that folds keep from each other
 # Where gusts exceed 1 m/s: folds keep further apart, the cloth is not crushed through itself, and its weave locks on the bias.
 STRONG = {"gap": 1.4, "least_fold": 0.8, "shear": 40.0}
+# Half diagonals of a cell that folds keep apart then, at least: less, and a vertex slips through the middle of a narrow cell.
+CLOSED = 1.2
+# Pleats meet side by side, so a row need only heed itself, so many pleats to either side. In strong wind narrow ones pile up, and
+# so do those that another cloth pushes; they meet the rows above and below, too.
+MEETS, PILES = 1.5, 3.0
 ROD = 0.1376  # m, from the window to the middle of the built-in room's rod
 LIVE = ("color", "wind", "gustiness", "stretch", "shear", "bending", "mass", "hem", "damping", "openness")
 
@@ -72,9 +78,8 @@ class CurtainSimulation:
             spacing=spacing,
             **_material(m),
             thickness=0.01,
-            # Pleats meet side by side, so a row need only heed itself, one and a half pleats to either side.
             gap=GAP * spacing[0],
-            contact_columns=3 * m.quads[0] // (2 * m.pleats),
+            contact_columns=int(MEETS * m.quads[0] / m.pleats),
             # Pleats that are crushed together pull at the threads along the rail.
             rows_last=True,
             air_substeps=12,
@@ -102,14 +107,28 @@ class CurtainSimulation:
         """Let the wind of the parameters blow from now on, and make the cloth ready for it."""
         m, cloth = self.parameters, self.cloth
         cloth.wind = Wind((0.0, 0.0, m.wind), m.gustiness)
-        strong = max(gusts(m), self.pushed) > 1.0
-        own = {"gap": GAP, "least_fold": 0.0, "shear": m.shear} | (STRONG if strong else {})
-        own["gap"] *= cloth.parameters.spacing[0]
+        strong = self.strong
+        spacing = cloth.parameters.spacing
+        own: dict[str, Any] = {"gap": GAP, "least_fold": 0.0, "shear": m.shear, "apart": 0.0, "contact_rows": 0} | (
+            STRONG if strong else {}
+        )
+        own["contact_columns"] = int(MEETS * m.quads[0] / m.pleats)
+        own["gap"] *= spacing[0]
         own["shear"] = max(own["shear"], m.shear)
+        if strong and STRONG:
+            closed = CLOSED * math.hypot(*spacing) / 2
+            if closed > own["gap"] or self.pushed:
+                own |= {"contact_columns": int(PILES * m.quads[0] / m.pleats), "contact_rows": 1}
+            own["gap"] = own["apart"] = max(own["gap"], closed)
         cloth.set_parameters(dataclasses.replace(cloth.parameters, **own))
         # Once it turns it may turn back.
         if strong and m.heading != "rings" and cloth.rail is None:
             cloth.rail = Rail(cloth.ctx, self._heading, cloth.rows)
+
+    @property
+    def strong(self) -> bool:
+        """Whether it hangs in a wind that lifts cloth, or before cloth that does."""
+        return max(gusts(self.parameters), self.pushed) > 1.0
 
     def can_change(self, parameters: CurtainParameters) -> bool:
         """Whether `change` takes other parameters. Raises InputError for cloth so stiff that it would bend too easily."""
@@ -141,14 +160,21 @@ class CurtainSimulation:
         yield from self._advance(dt)
         self.cloth.update_frames()
 
-    def _advance(self, dt: float) -> Iterator[None]:
+    def substeps(self, dt: float) -> int:
+        """How many substeps dt seconds need."""
         m = self.parameters
         rate = max(self.SUBSTEP_RATE * max(1.0, gusts(m), self.pushed) ** 2, self._least_rate)
         rate = min(rate * (self.RINGS_FACTOR if m.heading == "rings" else 1), self.MOST_SUBSTEPS)
-        substeps = max(1, math.ceil(dt * rate - 1e-9))
+        return max(1, math.ceil(dt * rate - 1e-9))
+
+    def _advance(self, dt: float) -> Iterator[None]:
+        self.take_substeps(self.substeps(dt))
+        yield from self.cloth.steps(dt)
+
+    def take_substeps(self, substeps: int) -> None:
+        """Have so many substeps in a step from now on."""
         if substeps != self.cloth.parameters.substeps:
             self.cloth.parameters = dataclasses.replace(self.cloth.parameters, substeps=substeps)
-        yield from self.cloth.steps(dt)
 
     def positions(self) -> np.ndarray:
         """Return [rows, columns, 3] float32, m."""

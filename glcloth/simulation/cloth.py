@@ -15,9 +15,9 @@ buckets are sorted, so that they do not depend on the order of atomic operations
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import moderngl
 import numpy as np
@@ -35,6 +35,8 @@ CONSTANTS, _ = shared("simulate/shared.glsl")
 FETCHED = {"Position": "rgba32f", "Previous": "rgba32f", "Velocity": "rgba32f", "AirForce": "rgba32f"}
 FETCHED |= {"Near": "r32i", "NearCount": "r32i"}
 
+NOTHING: Mapping[str, Any] = {}
+
 
 @dataclass(frozen=True)
 class Wind:
@@ -51,10 +53,11 @@ class ClothParameters:
     spacing: distance of neighbouring vertices of the flat cloth along a row and down a column, m. mass: kg/m^2.
     stretch, shear: stiffness of the sheet along the yarns and on the bias, N/m (inf = does not give). bending: rigidity
     of the sheet along a yarn, N m. damping: share of the velocity lost per second, 1/s. drag: coefficients (across,
-    along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap:
-    kept between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only
-    those of one row, at most so many columns apart. least_fold: share of their distance in the flat cloth that vertices
-    at most two rows and columns apart keep, so that it is not crushed through itself (0 = not looked at). hem: factor on
+    along) the sheet. friction: Coulomb's coefficient against solids and itself. thickness: kept from solids, m. gap: kept
+    between the cloth's own vertices, m (0 = no self-contact). contact_columns: 0 = all vertices may meet; else only those at
+    most so many columns apart, of one row and of contact_rows above and below. apart: vertices nearer than that in the flat
+    cloth are one layer, and need not keep the gap, m (neighbours never need to). least_fold: share of their distance that
+    vertices at most two rows and columns apart keep, so that it is not crushed through itself (0 = not looked at). hem: factor on
     the mass of the last row. air_substeps: for how many substeps the air's force serves. rows_last: solve columns before
     rows; the last ones solved stretch least.
     """
@@ -70,6 +73,8 @@ class ClothParameters:
     thickness: float = 0.003
     gap: float = 0.0
     contact_columns: int = 0
+    contact_rows: int = 0
+    apart: float = 0.0
     least_fold: float = 0.0
     hem: float = 1.0
     gravity: tuple[float, float, float] = (0.0, -9.81, 0.0)
@@ -86,14 +91,18 @@ class ClothParameters:
                 raise InputError(f"cloth: {name} = {value}, must be > 0; change it")
         if not 0 <= self.least_fold < 1:
             raise InputError(f"cloth: least_fold = {self.least_fold}, must be from 0 to less than 1; change it")
-        for name in ("shear", "bending", "damping", "friction", "thickness", "gap"):
+        for name in ("shear", "bending", "damping", "friction", "thickness", "gap", "apart"):
             if not getattr(self, name) >= 0:
                 raise InputError(f"cloth: {name} = {getattr(self, name)}, must be >= 0; change it")
         if min(self.drag) < 0:
             raise InputError(f"cloth: drag = {self.drag}, must be >= 0; change it")
         # Between rows nothing is looked at when contact_columns is set: then only the spacing in a row matters.
         widest, narrowest = (self.spacing[0],) * 2 if self.contact_columns else (max(self.spacing), min(self.spacing))
-        if self.gap and not widest <= self.gap <= 2 * narrowest:
+        least, most = widest, 2 * narrowest
+        if self.apart >= self.gap:
+            # Neighbours do not push each other apart, and no vertex is further from a layer's own than half a cell's diagonal.
+            least, most = (least if self.contact_columns else math.hypot(*self.spacing) / 2), math.inf
+        if self.gap and not least <= self.gap <= most:
             raise InputError(
                 f"cloth: gap = {self.gap} m, must be 0 or between the spacing and twice the spacing {self.spacing}; "
                 "change it or the number of vertices"
@@ -151,6 +160,8 @@ class Cloth:
     LIST_SUBSTEPS = 4
     ROW_LIST_SUBSTEPS = 6
     LIST_REACH = 1.6
+    # Spacings that contact moves a vertex in a substep at most, where folds are minded.
+    MOST_PUSH = 0.05
 
     def __init__(
         self,
@@ -191,8 +202,6 @@ class Cloth:
         # Four-byte words of each buffer, by its name in the passes.
         words = {"Position": 4 * V, "Previous": 4 * V, "Velocity": 4 * V, "Air": 4 * V, "AirForce": 8 * self.quad_count}
         words |= {"Eliminated": 2 * V, "Normal": 4 * V, "Tangent": 4 * V, "Contact": 4 * V if parameters.gap else 4}
-        if parameters.gap and not parameters.contact_columns:
-            words |= {"Count": self.table_size, "Begin": self.table_size, "Cursor": self.table_size, "Member": V}
         if parameters.gap:
             words |= {"Near": V * CONSTANTS["MAX_NEAR"], "NearCount": V, "Overflow": 1}
         self._buffers: dict[str, Buffer] = {
@@ -214,12 +223,24 @@ class Cloth:
         share_v[-1] *= self.parameters.hem
         return np.outer(share_v, share_u) * math.prod(self.parameters.spacing) * self.parameters.mass
 
+    def _need_hash(self) -> None:
+        """Have the buffers of the spatial hash."""
+        if "Count" not in self._buffers:
+            words = {name: self.table_size for name in ("Count", "Begin", "Cursor")} | {"Member": self.vertex_count}
+            self._buffers |= {name: Buffer(self.ctx, bytes(4 * count)) for name, count in words.items()}
+
     def _run(self, path: str, items: int, *inputs: dict[str, Any], **own: Any) -> None:
         programs(self.ctx).compute(path).run(items, self._buffers, self._sizes, *inputs, **own)
 
-    def hang_before(self, backdrop: Backdrop) -> None:
-        """Let another cloth keep this one out from now on."""
+    def hang_before(self, backdrop: Backdrop | None) -> None:
+        """Let another cloth keep this one out from now on; None: no longer."""
         self.backdrop = backdrop
+        if backdrop is None:
+            self._solids = solids_glsl(self.colliders)
+            return
+        if self._rail_data is not None:
+            self._solids = solids_glsl(self.colliders, backdrop=True)
+            return
         rail = np.ascontiguousarray(self.positions()[0, :, 2], np.float32)
         self._rail_data = TextureBuffer(self.ctx, rail.tobytes(), "r32f")
         self._solids = solids_glsl(self.colliders, backdrop=True)
@@ -230,38 +251,38 @@ class Cloth:
 
     def steps(self, dt: float) -> Iterator[None]:
         """As `step`, for a caller with other things to do in between: yields after every `air_substeps` substeps."""
+        yield from steps_together([self], dt)
+
+    def _values(self, dt: float) -> dict[str, Any]:
+        """What `_advance` takes in a step of dt seconds."""
         if not (dt > 0 and math.isfinite(dt)):
             raise InputError(f"cloth: time step {dt} s, must be > 0; change it")
         m = self.parameters
         h = dt / m.substeps
         # Faster than half a gap in a substep, and two layers could change sides unseen.
         limit = min(m.speed_limit, 0.5 * m.gap / h) if m.gap else m.speed_limit
-        values = {
+        return {
             "h": h, "gravity": m.gravity, "speed_limit": limit, "thickness": m.thickness, "mu": m.friction,
             "keep": math.exp(-m.damping * h),
         }  # fmt: skip
-        for k in range(m.substeps):
-            # The air changes slowly: its force serves several substeps, limited as one step of that length.
-            renew = k % m.air_substeps == 0
-            if self.backdrop is not None:
-                values.update(self.backdrop.inputs(k / m.substeps), rail_data=self._rail_data, row_length=m.spacing[1])
-            if renew:
-                if k > 0:
-                    self._advance(values, finish=True)
-                    yield
-                duration = h * min(m.air_substeps, m.substeps - k)
-                if self.rail is not None:
-                    self.rail.turn(self._buffers, duration)
-                if max(m.drag) > 0:
-                    self._air(duration)
-            self._advance(values, finish=not renew, begin=True)
-            self._constraints(h)
-            self.time += h
-            self.substeps_done += 1
+
+    def _before(self, values: dict[str, Any], share: float) -> None:
+        """Take what hangs behind as it is when so much of the step has passed."""
         if self.backdrop is not None:
-            values.update(self.backdrop.inputs(1.0))
-        self._advance(values, finish=True)
-        yield
+            values.update(self.backdrop.inputs(share), rail_data=self._rail_data, row_length=self.parameters.spacing[1])
+
+    def _begin(self, values: dict[str, Any], k: int) -> None:
+        """Begin substep k; where the air's force is not found anew, finish the one before."""
+        m = self.parameters
+        # The air changes slowly: its force serves several substeps, limited as one step of that length.
+        renew = k % m.air_substeps == 0
+        if renew:
+            duration = values["h"] * min(m.air_substeps, m.substeps - k)
+            if self.rail is not None:
+                self.rail.turn(self._buffers, duration)
+            if max(m.drag) > 0:
+                self._air(duration)
+        self._advance(values, finish=not renew, begin=True)
 
     def _advance(self, values: dict[str, Any], finish: bool = False, begin: bool = False) -> None:
         """Finish one substep, begin the next, or both."""
@@ -296,23 +317,34 @@ class Cloth:
                 backward=backward, rest=rest, stretch_h2=_compliance(m.stretch * width / rest, h),
                 bend_h2=_compliance(m.bending * width / rest**3, h),
             )  # fmt: skip
-        if m.gap:
-            self._contact()
 
-    def _contact(self) -> None:
+    def _contact(self, met: Mapping[str, Any] = NOTHING) -> None:
+        """Find how far contact moves the vertices; `met`: the contacts with other cloths, if there are any."""
         m, V = self.parameters, self.vertex_count
         reach = self.LIST_REACH * m.gap
         if m.contact_columns and self.substeps_done % self.ROW_LIST_SUBSTEPS == 0:
-            self._run("passes/simulation/near_rows.comp", V, window=m.contact_columns, reach=reach)
+            woven = max(1, math.ceil(m.apart / m.spacing[0]) - 1)
+            self._run(
+                "passes/simulation/near_rows.comp", V, window=m.contact_columns, row_window=m.contact_rows, reach=reach,
+                woven=woven,
+            )  # fmt: skip
         elif not m.contact_columns and self.substeps_done % self.LIST_SUBSTEPS == 0:
-            self._run("passes/simulation/count.comp", V, cell_size=reach)
-            self._run("passes/simulation/scan.comp", 1)
-            self._run("passes/simulation/fill.comp", V, cell_size=reach)
-            self._run("passes/simulation/sort.comp", self.table_size)
-            self._run("passes/simulation/near.comp", V, cell_size=reach)
-        folds = {"spacing": m.spacing, "least": m.least_fold} if m.least_fold else {}
-        contact = programs(self.ctx).compute("passes/simulation/contact.comp", {"FOLDS": int(m.least_fold > 0)})
-        contact.run(V, self._buffers, self._sizes, gap=m.gap, mu=m.friction, **folds)
+            self._sort_into_cells(reach)
+            self._run("passes/simulation/near.comp", V, cell_size=reach, spacing=m.spacing, apart=m.apart)
+        most = self.MOST_PUSH * min(m.spacing)
+        folds = {"spacing": m.spacing, "least": m.least_fold, "most": most} if m.least_fold else {}
+        defines = {"FOLDS": int(m.least_fold > 0), **({"MEETS": 1} if met else {})}
+        contact = programs(self.ctx).compute("passes/simulation/contact.comp", defines)
+        contact.run(V, self._buffers, self._sizes, gap=m.gap, mu=m.friction, **folds, **met)
+
+    def _sort_into_cells(self, cell_size: float) -> dict[str, Any]:
+        """Sort the vertices, as they are now, into the spatial hash; returns what looks into it binds."""
+        self._need_hash()
+        self._run("passes/simulation/count.comp", self.vertex_count, cell_size=cell_size)
+        self._run("passes/simulation/scan.comp", 1)
+        self._run("passes/simulation/fill.comp", self.vertex_count, cell_size=cell_size)
+        self._run("passes/simulation/sort.comp", self.table_size)
+        return {name: self._buffers[name] for name in ("Begin", "Cursor", "Member")} | {"table_size": self.table_size}
 
     def update_frames(self) -> None:
         """Compute `normal_buffer` and `tangent_buffer` from the present positions."""
@@ -372,6 +404,42 @@ class Cloth:
         self._buffers.clear()
         if self.rail is not None:
             self.rail.release()
+
+
+class Contacts(Protocol):
+    """Finds the contacts between cloths."""
+
+    def contacts(self, mu: float) -> list[dict[str, Any]]:
+        """Those of each cloth, as they are now: what its contact pass binds."""
+
+
+def steps_together(cloths: Sequence[Cloth], dt: float, meeting: Contacts | None = None) -> Iterator[None]:
+    """Advance cloths that have as many substeps by dt seconds, substep by substep; as `Cloth.steps`.
+
+    meeting : what keeps them from passing through each other; each has self-contact then
+    """
+    first = cloths[0].parameters
+    values = [cloth._values(dt) for cloth in cloths]
+    for k in range(first.substeps):
+        for cloth, own in zip(cloths, values, strict=True):
+            cloth._before(own, k / first.substeps)
+        if k > 0 and k % first.air_substeps == 0:
+            for cloth, own in zip(cloths, values, strict=True):
+                cloth._advance(own, finish=True)
+            yield
+        for cloth, own in zip(cloths, values, strict=True):
+            cloth._begin(own, k)
+            cloth._constraints(own["h"])
+        met = meeting.contacts(first.friction) if meeting is not None else [{} for _ in cloths]
+        for cloth, own, others in zip(cloths, values, met, strict=True):
+            if cloth.parameters.gap:
+                cloth._contact(others)
+            cloth.time += own["h"]
+            cloth.substeps_done += 1
+    for cloth, own in zip(cloths, values, strict=True):
+        cloth._before(own, 1.0)
+        cloth._advance(own, finish=True)
+    yield
 
 
 def _compliance(stiffness: float, h: float) -> float:

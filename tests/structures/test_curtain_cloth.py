@@ -6,6 +6,7 @@ from test_simulation import crossings
 
 from glcloth.curtain.hanging import CurtainParameters, CurtainSimulation, pleated_rail
 from glcloth.errors import InputError
+from glcloth.geometry.shapes import grid_triangles
 from glcloth.gpu.buffers import Buffer
 from glcloth.simulation.cloth import Rail
 from glcloth.simulation.solids import Plane
@@ -112,6 +113,22 @@ def test_strong_wind_crosses_nothing_and_costs_a_bounded_number_of_steps(hang, m
     held.cloth.rail.release()
     held.cloth.rail = None
     assert crossed(held) > 20
+
+
+def test_narrow_folds_in_strong_wind(hang):
+    """They keep a gap that closes their cells, from the rows above and below, too; contact stretches no thread far (without a
+    bound for it 19 %), and nothing crosses."""
+    curtain = hang(wind=3.0, heading="pencil", width=0.8, drop=1.2, settle=0.1, openness=0.1)
+    m = curtain.cloth.parameters
+    assert m.gap == m.apart == pytest.approx(1.2 * np.hypot(*m.spacing) / 2) and m.contact_rows == 1
+    longest = []
+    for _ in range(14):
+        curtain.step(1 / 24)
+        longest.append(curtain.cloth.strain().max())
+    assert max(longest) < 0.12 and curtain.cloth.contacts_lost() == 0
+    assert crossings(curtain.positions().reshape(-1, 3), grid_triangles(curtain.rows, curtain.columns)) == 0
+    wide = hang(wind=3.0, settle=0.0).cloth.parameters
+    assert wide.gap == pytest.approx(1.4 * wide.spacing[0]) and wide.contact_rows == 0
 
 
 def test_calm_curtain_comes_to_rest(hang):

@@ -8,8 +8,10 @@ from glcloth.errors import InputError
 from glcloth.geometry.shapes import grid_triangles
 from glcloth.simulation.cloth import Cloth, ClothParameters, Wind
 from glcloth.simulation.drape import surface_mesh
+from glcloth.simulation.meeting import Meeting
 from glcloth.simulation.solids import Box, Plane, Sphere
 from glcloth.twins.constraint import solve_line
+from glcloth.twins.contact import part
 from glcloth.twins.wind import drag
 
 G = 9.81
@@ -52,7 +54,12 @@ def top_row(positions):
 
 
 def crossings(positions, triangles):
-    """How many edges pass through triangles that they share no vertex with, by brute force over near pairs."""
+    """How many edges pass through triangles that they share no vertex with; an edge counts for each triangle."""
+    return len(crossing_edges(positions, triangles))
+
+
+def crossing_edges(positions, triangles):
+    """The edges [N, 2] that pass through triangles that they share no vertex with, by brute force over near pairs."""
     edges = np.unique(
         np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), 1), axis=0
     )
@@ -72,7 +79,7 @@ def crossings(positions, triangles):
     q = np.cross(s, u)
     b_1, b_2, along = f * np.sum(s * h, 1), f * np.sum(d * q, 1), f * np.sum(v * q, 1)
     inside = (b_1 >= 0) & (b_2 >= 0) & (b_1 + b_2 <= 1) & (along >= 0) & (along <= 1) & (f != 0)
-    return int(inside.sum())
+    return edges[e[inside]]
 
 
 def test_line_pass_is_the_exact_solution(make):
@@ -259,6 +266,90 @@ def test_near_lists_are_those_of_a_tree(make):
         woven = (np.abs(i[expected] - i[vertex]) <= 1) & (np.abs(j[expected] - j[vertex]) <= 1)
         assert sorted(near[vertex, : count[vertex]]) == sorted(np.array(expected)[~woven]), vertex
     assert cloth.contacts_lost() == 0
+
+
+def test_near_rows_are_those_of_a_tree(make):
+    """Of its own row, and of the rows above and below, within the window: those that are no neighbours along the row."""
+    positions = np.random.default_rng(5).uniform(0, 0.06, size=(9, 20, 3))
+    flat = positions.reshape(-1, 3).astype(np.float32)
+    i, j = np.divmod(np.arange(180), 20)
+    for rows, apart, woven in ((0, 0.0, 1), (1, 0.025, 2)):
+        cloth = make(
+            hanging(9, 20), spacing=(0.0095, 0.0095), gap=0.012, contact_columns=7, contact_rows=rows, apart=apart
+        )
+        cloth.set_state(positions)
+        cloth._contact()
+        near = np.frombuffer(cloth._buffers["Near"].read(), np.int32).reshape(180, -1)
+        count = np.frombuffer(cloth._buffers["NearCount"].read(), np.int32)
+        for vertex, found in enumerate(cKDTree(flat).query_ball_point(flat, cloth.LIST_REACH * 0.012)):
+            down, across = np.abs(i[found] - i[vertex]), np.abs(j[found] - j[vertex])
+            expected = np.array(found)[(down <= rows) & (across <= 7) & (across > woven)]
+            assert near[vertex, : count[vertex]].tolist() == expected[np.argsort(expected)].tolist(), vertex
+
+
+def test_narrow_cells_close(make):
+    """A layer falls on another of the same rows that is off by half a row: a gap of 1.4 columns lets it through, and so, nearly,
+    does one of 1.2 half diagonals within the row alone."""
+    u, v, half = 0.016, 0.056, 14
+    j, i = np.meshgrid(np.arange(2 * half), np.arange(6))
+    upper = j >= half
+    x = np.where(upper, 2 * half - 1 - j + 0.5, j) * u
+    folded = np.stack([x, np.where(upper, 0.045, 0.0), v * (i + 0.5 * upper)], axis=-1)
+    fallen = {}
+    for gap, rows in ((1.4 * u, 0), (1.2 * np.hypot(u, v) / 2, 0), (1.2 * np.hypot(u, v) / 2, 1)):
+        cloth = make(
+            folded, spacing=(u, v), pinned=~upper, shear=0.0, stretch=1.0, bending=0.0, drag=(0, 0), gap=gap, apart=gap,
+            contact_columns=2 * half, contact_rows=rows, substeps=16,
+        )  # fmt: skip
+        for _ in range(5):
+            cloth.step(1 / 40)
+        fallen[gap > 1.5 * u, rows] = cloth.positions()[:5, half + 3 :, 1].min()
+    assert fallen[False, 0] < -0.01 and fallen[True, 0] < fallen[True, 1]
+    assert fallen[True, 1] > 0.01
+
+
+def test_cloths_that_meet_push_each_other(ctx, make):
+    """Each push is that of all pairs of vertices by brute force; a sheet that flies into a heavier one goes on with it, neither
+    goes through, and the motion of both together stays; two runs are equal."""
+    rng = np.random.default_rng(6)
+    one, other = (make(hanging(6, 7), spacing=(0.02, 0.02), gap=0.02, mass=mass) for mass in (0.1, 0.3))
+    meeting = Meeting(ctx, ([one], [other]), 0.02)
+    x = [rng.uniform(0, 0.07, size=(6, 7, 3)).astype(np.float32) for _ in range(2)]
+    for cloth, here in zip((one, other), x, strict=True):
+        cloth.set_state(here)
+        cloth._buffers["Previous"].write(np.zeros((42, 4), np.float32))
+    meeting.contacts(0.2)
+    for k, cloths in enumerate(((one, other), (other, one))):
+        here, there = (p.reshape(-1, 3).astype(float) for p in (x[k], x[1 - k]))
+        w = [np.broadcast_to(cloth.inverse_mass.reshape(-1), (42, 42)) for cloth in cloths]
+        pushes = part(here[:, None], there[None], w[0].T, w[1], 0.02, here[:, None] - there[None], 0.2)
+        met = np.frombuffer(meeting._met[k].read(), np.float32).reshape(42, 4)
+        near = np.linalg.norm(here[:, None] - there[None], axis=-1) < 0.02
+        assert near.sum() > 40 and met[:, 3].tolist() == near.sum(1).tolist()
+        np.testing.assert_allclose(met[:, :3], pushes.sum(1), atol=2e-6)
+    meeting.release()
+
+    def collide():
+        flat = hanging(14, 14, 0.26, 0.26)
+        still = {"gravity": (0, 0, 0), "damping": 0.0, "drag": (0, 0), "friction": 0.0, "gap": 0.0205}
+        near = flat + np.array([0.01, 0.01, -0.06])
+        sheets = [make(near, mass=0.1, **still), make(flat, mass=0.3, **still)]
+        sheets[0].set_state(near, np.broadcast_to([0.0, 0.0, 2.0], flat.shape))
+        meeting = Meeting(ctx, ([sheets[0]], [sheets[1]]), 0.0205)
+        for _ in range(8):
+            for _ in meeting.steps(0.01):
+                pass
+        meeting.release()
+        return [(s.positions(), s.velocities(), s._masses()) for s in sheets]
+
+    (x_1, v_1, m_1), (x_2, v_2, m_2) = collide()
+    momentum = (m_1[..., None] * v_1).sum((0, 1)) + (m_2[..., None] * v_2).sum((0, 1))
+    np.testing.assert_allclose(momentum / m_1.sum(), [0, 0, 2], atol=0.1)
+    assert x_1[..., 2].max() < x_2[..., 2].min() + 0.02 and v_2[..., 2].mean() > 0.3
+    both = np.concatenate([x_1, x_2]).reshape(-1, 3)
+    assert crossings(both, np.concatenate([grid_triangles(14, 14), grid_triangles(14, 14) + 196])) == 0
+    again = collide()
+    assert all(np.array_equal(a, b) for a, b in zip((x_1, v_1), again[0][:2], strict=True))
 
 
 def test_wind_pushes_with_the_drag_of_its_triangles(make):

@@ -1,6 +1,6 @@
 #version 430
 // Contact of the cloth with itself in one substep: how far each vertex should move, the mean over its contacts (a sum
-// would push too far where several vertices of one layer meet it). Read by passes/simulation/advance.comp. One invocation per vertex.
+// would push too far where several vertices of one layer meet it). MEETS: with other cloths, too. Read by passes/simulation/advance.comp. One invocation per vertex.
 #include "simulate/shared.glsl"
 #include "simulate/contact.glsl"
 layout(local_size_x = 64) in;
@@ -11,12 +11,16 @@ layout(std430) writeonly buffer Contact { vec4 shift[]; };
 uniform isamplerBuffer Near;
 uniform isamplerBuffer NearCount;
 uniform int vertex_count;
+#ifdef MEETS
+layout(std430) readonly buffer Met { vec4 met[]; };  // passes/simulation/meet.comp
+#endif
 uniform float gap;   // m
 uniform float mu;
 #if FOLDS == 1
 uniform int columns;
 uniform vec2 spacing;   // m, along a row and down a column
 uniform float least;    // share of their distance in the flat cloth that neighbours keep
+uniform float most;     // m: further contact moves no vertex in a substep, or threads would be stretched by it
 #endif
 
 void main() {
@@ -28,6 +32,10 @@ void main() {
     vec3 moved = here.xyz - texelFetch(Previous, index).xyz;
     vec3 sum = vec3(0.0);
     float contacts = 0.0;
+#ifdef MEETS
+    sum = met[index].xyz;
+    contacts = met[index].w;
+#endif
     int count = texelFetch(NearCount, index).x;
     int k = 0;
     // The test stands at the end: a software rasteriser executes a loop's body once more than one at its top wants.
@@ -59,5 +67,9 @@ void main() {
         contacts += folded ? 1.0 : 0.0;
     }
 #endif
-    shift[index] = vec4(contacts > 0.0 ? sum / contacts : vec3(0.0), 0.0);
+    vec3 mean = contacts > 0.0 ? sum / contacts : vec3(0.0);
+#if FOLDS == 1
+    mean *= min(1.0, most / max(length(mean), 1e-9));
+#endif
+    shift[index] = vec4(mean, 0.0);
 }

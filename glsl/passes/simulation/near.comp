@@ -1,11 +1,16 @@
 #version 430
 // Contact, step 5: list for each vertex the vertices within one cell size that are not its own neighbours in the weave.
-// The lists serve several substeps. One invocation per vertex.
+// The lists serve several substeps. OTHER: vertices of another cloth instead. One invocation per vertex.
 #include "simulate/shared.glsl"
 #include "simulate/contact.glsl"
 layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 layout(std430) readonly buffer Position { vec4 x[]; };
+#ifdef OTHER
+layout(std430) readonly buffer OtherPosition { vec4 other_x[]; };
+#else
+#define other_x x
+#endif
 layout(std430) readonly buffer Begin { int begin[]; };
 layout(std430) readonly buffer Cursor { int cursor[]; };
 layout(std430) readonly buffer Member { int member[]; };
@@ -16,6 +21,8 @@ uniform int vertex_count;
 uniform int columns;
 uniform int table_size;
 uniform float cell_size;
+uniform vec2 spacing;        // m of the flat cloth, along a row and down a column
+uniform float apart;         // m: vertices nearer than that in the flat cloth are one layer
 
 void main() {
     int index = item();
@@ -32,10 +39,16 @@ void main() {
         int slot = bucket(cell, table_size);
         for (int m = begin[slot]; m < cursor[slot]; m++) {
             int other = member[m];
-            vec3 there = x[other].xyz;
+            vec3 there = other_x[other].xyz;
             vec3 e = there - here;
+#ifdef OTHER
+            const bool woven = false;
+#else
             int other_i = other / columns;
-            bool woven = abs(other_i - i) <= 1 && abs(other - other_i * columns - j) <= 1;
+            ivec2 off = ivec2(other - other_i * columns - j, other_i - i);
+            vec2 flat_off = vec2(off) * spacing;
+            bool woven = abs(off.x) <= 1 && abs(off.y) <= 1 || dot(flat_off, flat_off) < apart * apart;
+#endif
             // Another cell may share the bucket: its vertices are met in their own cell, or are too far.
             if (!woven && dot(e, e) < cell_size * cell_size && floor(there / cell_size) == cell) {
                 if (found < MAX_NEAR) {

@@ -94,6 +94,8 @@ void main() {
     vec3 even = even_light(s);
 #endif
     vec3 seen = weight.rgb * (met ? even : sky(d));
+    const bool goes_on = false, is_mirrored = false;
+    const uint onward_heads = 0u;
 #else
 #ifdef FABRICS
     take_fabric(triangle);
@@ -159,22 +161,20 @@ void main() {
     vec3 mirrored = weight.rgb * R_limited(R, THROUGH(k_t), min(yarns * cloth_albedo, 1.0));
     bool goes_on = live && level < last_level && largest(through) > cutoff;
     bool is_mirrored = live && level < last_level && largest(mirrored) > cutoff;
-    uint onward_claim = goes_on ? claim(ONWARD) : 0u;
-    uint onward_head = goes_on && !layered ? claim(HEADS) : 0u;
-    uint mirrored_claim = is_mirrored ? claim(MIRRORED) : 0u;
-    uint mirrored_head = is_mirrored ? claim(HEADS) : 0u;
+    uint onward_heads = goes_on && !layered ? 1u : 0u;
 #endif
     bool waits = live && met && largest(direct) > 1e-5 * cutoff;
-    uint shadow_claim = waits ? claim(WAITING) : 0u;
+    // ONWARD, MIRRORED, WAITING, HEADS.
+    uint places = claim(uvec4(goes_on, is_mirrored, waits, onward_heads + uint(is_mirrored)));
     settle_claims();
 
     uvec2 next = uvec2(NO_TRIANGLE);
 #if CLOTH == 1
     if (goes_on) {
-        next.x = place_of(ONWARD, onward_claim);
+        next.x = place_of(ONWARD, places);
         int next_layer = layer + 1;
         if (!layered) {
-            uint k = place_of(HEADS, onward_head);
+            uint k = place_of(HEADS, places);
             if (k < head_capacity) {
                 head_out[2u * k] = from;
                 head_out[2u * k + 1u] = vec4(onward, far);
@@ -184,8 +184,8 @@ void main() {
         if (next.x <= uint(next_last)) weight_out[next.x] = vec4(through, intBitsToFloat(next_layer));
     }
     if (is_mirrored) {
-        next.y = uint(next_last) - place_of(MIRRORED, mirrored_claim);
-        uint k = place_of(HEADS, mirrored_head);
+        next.y = uint(next_last) - place_of(MIRRORED, places);
+        uint k = place_of(HEADS, places) + onward_heads;
         if (k < head_capacity) {
             head_out[2u * k] = vec4(p + offset * s.N_g, 0.0);
             head_out[2u * k + 1u] = vec4(mirrored_direction(d, s.N, s.N_g), far);
@@ -212,7 +212,7 @@ void main() {
 #endif
     }
     if (waits) {
-        uint k = place_of(WAITING, shadow_claim);
+        uint k = place_of(WAITING, places);
         shadow_out[2u * k] = vec4(p + (l.behind ? -offset : offset) * s.N_g, intBitsToFloat(i));
         shadow_out[2u * k + 1u] = vec4(direct, l.behind ? 1.0 : 0.0);
     }
