@@ -1,6 +1,6 @@
 """From the garment to its threads: a skirt as it stands, from half a metre, and from nine centimetres.
 
-python examples/15_nearer.py [out/15_nearer.png] [FABRIC] [WIDTHxHEIGHT]  (a minute and a half of CPU at 400x533)
+python examples/15_nearer.py [out/15_nearer.png] [FABRIC] [WIDTHxHEIGHT]  (half a minute of CPU)
 """
 
 import sys
