@@ -108,7 +108,8 @@ class Direct(Method):
         looked_up = sharpness[broad > 0.0]
         levels = tuple(broad_nodes.levels(float(looked_up.max()), BROAD_BLEND)) if len(looked_up) else ()
         nodes = self._write_entries(_entries(lights, schedule, lobes, pooled, broad), levels, lobes, fabric)
-        pool = self._write_lobes(fabric, schedule, lobes, part)
+        pairs = _pairs(schedule, plan.sharp_share(sharpness, pooled * (1.0 - broad)))
+        pool = self._write_lobes(fabric, schedule, lobes, part, pairs)
         any_pooled = bool(((broad < 1.0) & (pooled > 0.0)).any())
         self._pixel_counts = self._uniforms["pool_counts"] if any_pooled else (1, 1, 1)
         self._pooled_light.draw(lights.gaussians, (1.0 - broad) * pooled)
@@ -165,26 +166,35 @@ class Direct(Method):
     # -- fabric ----------------------------------------------------------------------------------------------------
 
     def _write_lobes(
-        self, fabric: Fabric, schedule: plan.Schedule, lobes: tuple[Lobes, Lobes], part: int | None
+        self,
+        fabric: Fabric,
+        schedule: plan.Schedule,
+        lobes: tuple[Lobes, Lobes],
+        part: int | None,
+        pairs: list[tuple[int, float]],
     ) -> int:
-        """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them."""
+        """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them. `pairs`: as `_phi_rule` takes."""
         tangents = tuple(
             (*tangent, weight, number)
             for number, (tangent, weight) in enumerate(zip(fabric.tangents, fabric.numerators(part), strict=True))
             if max(lobes[tangent.yarn].share_s, lobes[tangent.yarn].share_v) > 0.0 and (weight > 0.0 or part is None)
         )
-        count, pairs = (schedule.theta_count, schedule.phi_pairs) if tangents else (1, 1)
+        count, pairs = (schedule.theta_count, pairs) if tangents else (1, [(1, 1.0)])
+        pair_count = sum(number for number, _ in pairs)
         k_d = fabric.yarn[0].k_d, fabric.yarn[1].k_d
         seen = tuple((lobe.gamma_s, lobe.gamma_v, lobe.share_s, lobe.share_v) for lobe in lobes)
         self._lobes.get(
             lambda: self._lobe_data.write(_lobe_texels(tangents, lobes, k_d, count)), tangents, seen, k_d, count
         )
         self._uniforms["phi_rule"] = _phi_rule(pairs)
-        self._uniforms["pool_counts"] = max(len(tangents), 1), count, pairs
+        self._uniforms["pool_counts"] = max(len(tangents), 1), count, pair_count
         self._uniforms["view_rim"] = plan.view_rim(fabric)
         view_pairs = schedule.view_pairs if tangents else 1
-        self._of_view = {"phi_rule": _phi_rule(view_pairs), "pool_counts": (max(len(tangents), 1), count, view_pairs)}
-        return len(tangents) * count * pairs * 2
+        self._of_view = {
+            "phi_rule": _phi_rule([(view_pairs, 1.0)]),
+            "pool_counts": (max(len(tangents), 1), count, view_pairs),
+        }
+        return len(tangents) * count * pair_count * 2
 
     def _make_view_table(
         self, fabric: Fabric, lobes: tuple[Lobes, Lobes], schedule: plan.Schedule, levels: Levels
@@ -192,7 +202,7 @@ class Direct(Method):
         groups, lanes, _ = self._variant
         record = _lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
         inputs = {"lobe_data": self._lobe_data, **self._uniforms, **self._of_view}
-        self._view.make(schedule.view_size, levels, _defines(groups, lanes, True), inputs, record)
+        self._view.make(plan.view_size(schedule, fabric), levels, _defines(groups, lanes, True), inputs, record)
 
     def _make_woven_table(
         self, fabric: Fabric, lobes: tuple[Lobes, Lobes], schedule: plan.Schedule, levels: Levels
@@ -208,7 +218,7 @@ class Direct(Method):
             total = np.array([(fabric.weights[:, 1] * near)[yarn == j].sum() for j in (0, 1)])
             sets.append({"table_rel": packed(near / np.where(total > 0.0, total, 1.0)[yarn], groups, lanes)})
         defines = {**_defines(groups, lanes, True), "WEAVE": 1, "LANE_COUNT": lanes}
-        self._woven_view.make(schedule.view_size, levels, defines, inputs, record, sets)
+        self._woven_view.make(plan.view_size(schedule, fabric), levels, defines, inputs, record, sets)
 
     def _set_fabric(self, fabric: Fabric, pooled: bool, part: int | None) -> None:
         tangents = fabric.tangents
@@ -350,11 +360,23 @@ def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, 
     )
 
 
-def _phi_rule(pairs: int) -> np.ndarray:
-    """The positive nodes of a Gauss-Legendre rule on -1..1 and their weights, [MAX_PHI_PAIRS, 2] float32."""
-    x, w = np.polynomial.legendre.leggauss(2 * pairs)
+def _pairs(schedule: plan.Schedule, sharp: float) -> list[tuple[int, float]]:
+    """The numbers of pairs of nodes in phi and their shares, `sharp` of them of the larger one."""
+    if schedule.sharp_pairs == schedule.phi_pairs:
+        return [(schedule.phi_pairs, 1.0)]
+    parts = [(schedule.phi_pairs, 1.0 - sharp), (schedule.sharp_pairs, sharp)]
+    return [part for part in parts if part[1] > 1e-4]
+
+
+def _phi_rule(parts: list[tuple[int, float]]) -> np.ndarray:
+    """The positive nodes on -1..1 and their weights, [MAX_PHI_PAIRS, 2] float32, of Gauss-Legendre rules (pairs, share)
+    one behind the other."""
     rule = np.zeros((MAX_PHI_PAIRS, 2), "f4")
-    rule[:pairs] = np.stack([x[pairs:], w[pairs:]], -1)
+    first = 0
+    for pairs, share in parts:
+        x, w = np.polynomial.legendre.leggauss(2 * pairs)
+        rule[first : first + pairs] = np.stack([x[pairs:], share * w[pairs:]], -1)
+        first += pairs
     return rule
 
 
