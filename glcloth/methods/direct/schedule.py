@@ -135,8 +135,11 @@ def pooled_share(schedule: Schedule, sharpness: np.ndarray, lobes: tuple[Lobes, 
 
 
 def sharp_share(sharpness: np.ndarray, pooled: np.ndarray) -> float:
-    """How much (0..1) of Schedule.sharp_pairs the pooled lobes need: `pooled` [K] of Gaussians of a sharpness [K]."""
-    return float((pooled * smoothstep(*SHARP_POOLED, sharpness)).max(initial=0.0))
+    """How much (0..1) of Schedule.sharp_pairs the pooled lobes need: `pooled` [K] of Gaussians of a sharpness [K].
+
+    In between both rules are used, so that is a narrow band.
+    """
+    return float(smoothstep(0.0, 0.1, (pooled * smoothstep(*SHARP_POOLED, sharpness)).max(initial=0.0)))
 
 
 def broad_share(sharpness: np.ndarray) -> np.ndarray:
