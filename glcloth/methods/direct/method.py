@@ -333,9 +333,9 @@ def _entries(lights: Lights, schedule: plan.Schedule, lobes, pooled: np.ndarray,
 
 
 def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, fabric: Fabric) -> np.ndarray:
-    """How nodes of one level see the lobes, [K, 5, 4] float32: the share kept, 1 / sharp^2 and log2(amplitude / sharp) of the
+    """How nodes of one level see the lobes, [K, 5, 4] float32: the share kept, 1 / sharp^2 and amplitude / sharp of the
     widened lobe, and what the first two change by for each unit of variance that the horizon takes. A rule of one node
-    has sharp and log2(amplitude) themselves.
+    has sharp and the amplitude themselves.
 
     Components: surface of yarn 0 and 1, volume of yarn 0 and 1.
     """
@@ -351,11 +351,10 @@ def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, 
 
     (kept, spread), (kept_cut, spread_cut) = seen(1.0), seen(1.0 - MOST_CUT)
     amplitude = (1.0 - pooled[:, None] * own) * (1.0 - k_d) * 2.0 * np.sqrt(np.log(2) / np.pi)
-    height = np.log2(np.maximum(amplitude, 1e-30))
     if level == 0:
         spread = 1.0 / np.sqrt(spread)
-        height = height + np.log2(spread)
-    return np.stack([kept, spread, height, (kept_cut - kept) / MOST_CUT, (spread_cut - spread) / MOST_CUT], 1).astype(
+        amplitude = amplitude * spread
+    return np.stack([kept, spread, amplitude, (kept_cut - kept) / MOST_CUT, (spread_cut - spread) / MOST_CUT], 1).astype(
         "f4"
     )
 
