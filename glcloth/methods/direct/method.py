@@ -354,9 +354,9 @@ def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, 
     if level == 0:
         spread = 1.0 / np.sqrt(spread)
         amplitude = amplitude * spread
-    return np.stack([kept, spread, amplitude, (kept_cut - kept) / MOST_CUT, (spread_cut - spread) / MOST_CUT], 1).astype(
-        "f4"
-    )
+    return np.stack(
+        [kept, spread, amplitude, (kept_cut - kept) / MOST_CUT, (spread_cut - spread) / MOST_CUT], 1
+    ).astype("f4")
 
 
 def _pairs(schedule: plan.Schedule, sharp: float) -> list[tuple[int, float]]:
