@@ -351,16 +351,6 @@ def test_dragging_the_sharpness_crosses_no_threshold(renderer, quality, name):
         assert jumps(values) < 0.005, run
 
 
-def test_dragging_a_pooled_gaussian_to_more_pairs_of_nodes_makes_no_jump(renderer):
-    """From 3 pairs in phi to 4 within a few steps, over which both are used."""
-    omega_o, method, values, spent = directions_up(40), renderer.method("direct"), [], []
-    for sharpness in np.geomspace(13.5, 17.5, 40):
-        one = SphericalGaussians([[0.6, 0.0, 0.8]], [sharpness], [[1.0, 1.0, 1.0]])
-        values.append(luminance(renderer.radiance("silk_shot", omega_o, one)))
-        spent.append(method.evaluations_per_pixel())
-    assert jumps(values) < 0.005 and spent[0] < spent[-1] < max(spent)
-
-
 @pytest.mark.parametrize("field", ["gamma_s_deg", "gamma_v_deg", "k_d", "sigma_deg"])
 def test_dragging_the_fabric_crosses_no_threshold(renderer, field):
     """Steps of a percent; where the nodes of a lobe come and go the result moves by its own error within a few steps."""

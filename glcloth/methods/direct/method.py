@@ -108,8 +108,7 @@ class Direct(Method):
         looked_up = sharpness[broad > 0.0]
         levels = tuple(broad_nodes.levels(float(looked_up.max()), BROAD_BLEND)) if len(looked_up) else ()
         nodes = self._write_entries(_entries(lights, schedule, lobes, pooled, broad), levels, lobes, fabric)
-        pairs = _pairs(schedule, plan.sharp_share(sharpness, pooled * (1.0 - broad)))
-        pool = self._write_lobes(fabric, schedule, lobes, part, pairs)
+        pool = self._write_lobes(fabric, schedule, lobes, part)
         any_pooled = bool(((broad < 1.0) & (pooled > 0.0)).any())
         self._pixel_counts = self._uniforms["pool_counts"] if any_pooled else (1, 1, 1)
         self._pooled_light.draw(lights.gaussians, (1.0 - broad) * pooled)
@@ -171,30 +170,28 @@ class Direct(Method):
         schedule: plan.Schedule,
         lobes: tuple[Lobes, Lobes],
         part: int | None,
-        pairs: list[tuple[int, float]],
     ) -> int:
-        """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them. `pairs`: as `_phi_rule` takes."""
+        """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them."""
         tangents = tuple(
             (*tangent, weight, number)
             for number, (tangent, weight) in enumerate(zip(fabric.tangents, fabric.numerators(part), strict=True))
             if max(lobes[tangent.yarn].share_s, lobes[tangent.yarn].share_v) > 0.0 and (weight > 0.0 or part is None)
         )
-        count, pairs = (schedule.theta_count, pairs) if tangents else (1, [(1, 1.0)])
-        pair_count = sum(number for number, _ in pairs)
+        count, pairs = (schedule.theta_count, schedule.phi_pairs) if tangents else (1, 1)
         k_d = fabric.yarn[0].k_d, fabric.yarn[1].k_d
         seen = tuple((lobe.gamma_s, lobe.gamma_v, lobe.share_s, lobe.share_v) for lobe in lobes)
         self._lobes.get(
             lambda: self._lobe_data.write(_lobe_texels(tangents, lobes, k_d, count)), tangents, seen, k_d, count
         )
         self._uniforms["phi_rule"] = _phi_rule(pairs)
-        self._uniforms["pool_counts"] = max(len(tangents), 1), count, pair_count
+        self._uniforms["pool_counts"] = max(len(tangents), 1), count, pairs
         self._uniforms["view_rim"] = plan.view_rim(fabric)
         view_pairs = schedule.view_pairs if tangents else 1
         self._of_view = {
-            "phi_rule": _phi_rule([(view_pairs, 1.0)]),
+            "phi_rule": _phi_rule(view_pairs),
             "pool_counts": (max(len(tangents), 1), count, view_pairs),
         }
-        return len(tangents) * count * pair_count * 2
+        return len(tangents) * count * pairs * 2
 
     def _make_view_table(
         self, fabric: Fabric, lobes: tuple[Lobes, Lobes], schedule: plan.Schedule, levels: Levels
@@ -359,23 +356,11 @@ def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, 
     ).astype("f4")
 
 
-def _pairs(schedule: plan.Schedule, sharp: float) -> list[tuple[int, float]]:
-    """The numbers of pairs of nodes in phi and their shares, `sharp` of them of the larger one."""
-    if schedule.sharp_pairs == schedule.phi_pairs:
-        return [(schedule.phi_pairs, 1.0)]
-    parts = [(schedule.phi_pairs, 1.0 - sharp), (schedule.sharp_pairs, sharp)]
-    return [part for part in parts if part[1] > 1e-4]
-
-
-def _phi_rule(parts: list[tuple[int, float]]) -> np.ndarray:
-    """The positive nodes on -1..1 and their weights, [MAX_PHI_PAIRS, 2] float32, of Gauss-Legendre rules (pairs, share)
-    one behind the other."""
+def _phi_rule(pairs: int) -> np.ndarray:
+    """The positive nodes of a Gauss-Legendre rule on -1..1 and their weights, [MAX_PHI_PAIRS, 2] float32."""
+    x, w = np.polynomial.legendre.leggauss(2 * pairs)
     rule = np.zeros((MAX_PHI_PAIRS, 2), "f4")
-    first = 0
-    for pairs, share in parts:
-        x, w = np.polynomial.legendre.leggauss(2 * pairs)
-        rule[first : first + pairs] = np.stack([x[pairs:], share * w[pairs:]], -1)
-        first += pairs
+    rule[:pairs] = np.stack([x[pairs:], w[pairs:]], -1)
     return rule
 
 

@@ -20,7 +20,6 @@ class Schedule:
     sharper : sharpness, for linen's lobes of 12 degrees, below which level 1, 2, ... of the ladder is used
     shift : levels added to that
     theta_count, phi_pairs : nodes of the pooled lobes of a tangent: in theta, and pairs in phi
-    sharp_pairs : pairs in phi where pooled Gaussians are of SHARP_POOLED
     view_size, upright_view_size : texels a side of the table over omega_o, the latter of fabrics with upright tangents
     view_pairs : pairs in phi with which that table is made: grazing views ask for more than pixels can pay
     pooled_ratio : how many times the width 2 gamma of a lobe sigma must be for its Gaussian to be pooled
@@ -29,8 +28,7 @@ class Schedule:
     sharper: tuple[float, ...] = (150.0, 13.0, 4.5, 1.5, 0.55)
     shift: int = 0
     theta_count: int = 3
-    phi_pairs: int = 3
-    sharp_pairs: int = 4
+    phi_pairs: int = 4
     view_size: int = 49
     upright_view_size: int = 65
     view_pairs: int = 5
@@ -38,14 +36,13 @@ class Schedule:
 
 
 SCHEDULES = {
-    "draft": Schedule(sharper=(120.0, 8.0, 2.5), theta_count=2, sharp_pairs=3, upright_view_size=49),
+    "draft": Schedule(sharper=(120.0, 8.0, 2.5), theta_count=2, phi_pairs=3, upright_view_size=49),
     "normal": Schedule(),
     "high": Schedule(
         sharper=(300.0, 22.0, 6.0, 2.2, 0.9),
         shift=2,
         theta_count=5,
         phi_pairs=6,
-        sharp_pairs=6,
         view_size=97,
         upright_view_size=97,
         pooled_ratio=(0.6, 0.8),
@@ -54,7 +51,6 @@ SCHEDULES = {
 
 BROAD_SHARPNESS = (6.0, 9.0)  # Gaussians broader than this are looked up at directions that are fixed to the surface
 POOLED_SHARPNESS = (22.0, 30.0)  # Gaussians broader than this may be summed on the nodes of a narrow lobe,
-SHARP_POOLED = (14.0, 17.0)  # and are too narrow for few pairs of nodes in phi
 NARROW_DEG = (6.2, 11.0)  # if gamma is at most this (and see Schedule.pooled_ratio)
 SAME_NODES_RATIO = (2.2, 4.0)  # lobes of one yarn whose widths differ more than this cannot share nodes in theta
 # How much finer the table over omega_o is at the horizon than at N. Flat tangents ask for it there, and upright ones, which
@@ -132,14 +128,6 @@ def pooled_share(schedule: Schedule, sharpness: np.ndarray, lobes: tuple[Lobes, 
     sigma = np.sqrt(2.0 / np.maximum(sharpness, 1e-9))
     broad = 1.0 - smoothstep(*POOLED_SHARPNESS, sharpness)
     return broad * smoothstep(*schedule.pooled_ratio, sigma / max(widths))
-
-
-def sharp_share(sharpness: np.ndarray, pooled: np.ndarray) -> float:
-    """How much (0..1) of Schedule.sharp_pairs the pooled lobes need: `pooled` [K] of Gaussians of a sharpness [K].
-
-    In between both rules are used, so that is a narrow band.
-    """
-    return float(smoothstep(0.0, 0.1, (pooled * smoothstep(*SHARP_POOLED, sharpness)).max(initial=0.0)))
 
 
 def broad_share(sharpness: np.ndarray) -> np.ndarray:
