@@ -44,9 +44,9 @@ def theta_slots(t):
     return np.arcsin(t)
 
 
-def lobe_slots(theta_i, start, slope, height):
-    """2^(height - (start + slope theta_i)^2).   [Miz 4]"""
-    return np.exp2(height - (start + slope * theta_i) ** 2)
+def lobe_slots(theta_i, start, slope):
+    """2^-(start + slope theta_i)^2.   [Miz 4]"""
+    return np.exp2(-((start + slope * theta_i) ** 2))
 
 
 def scatter_slots(t, cos_theta_i, cos_phi_i, cos_phi_d, sin_theta_o, cos_theta_o, cos_phi_o, F_0, series):

@@ -43,9 +43,9 @@ vec4 theta_slots(vec4 t) {
 }
 
 // [Miz 4]  The lobe of a rule's node: a Gaussian of theta_i whose exponent is the square of start + slope theta_i.
-vec4 lobe_slots(vec4 theta_i, vec4 start, vec4 slope, vec4 height) {
+vec4 lobe_slots(vec4 theta_i, vec4 start, vec4 slope) {
     vec4 x = start + slope * theta_i;
-    return exp2(height - x * x);
+    return exp2(-x * x);
 }
 
 // [Miz 5-6, 12]  Inputs of the terms of f_s and W from two directions: columns M, F_r, cos(phi_d / 2) / 2,

@@ -87,7 +87,6 @@ SPECIAL = {
     ("lobe_slots", "theta_i"): four(-HALF, HALF),
     ("lobe_slots", "start"): four(-3.0, 3.0),
     ("lobe_slots", "slope"): four(0.0, 3.0),
-    ("lobe_slots", "height"): four(-5.0, 5.0),
     ("scatter_pair", "phi_o"): horizontal,
     ("scatter_pair", "F_0"): between(0.0, 0.25),
     ("scatter_pair", "cos_theta_d"): between(0.0, 1.0),

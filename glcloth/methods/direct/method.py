@@ -165,7 +165,11 @@ class Direct(Method):
     # -- fabric ----------------------------------------------------------------------------------------------------
 
     def _write_lobes(
-        self, fabric: Fabric, schedule: plan.Schedule, lobes: tuple[Lobes, Lobes], part: int | None
+        self,
+        fabric: Fabric,
+        schedule: plan.Schedule,
+        lobes: tuple[Lobes, Lobes],
+        part: int | None,
     ) -> int:
         """Upload the nodes of the narrow lobes; returns how often a pixel evaluates them."""
         tangents = tuple(
@@ -183,7 +187,10 @@ class Direct(Method):
         self._uniforms["pool_counts"] = max(len(tangents), 1), count, pairs
         self._uniforms["view_rim"] = plan.view_rim(fabric)
         view_pairs = schedule.view_pairs if tangents else 1
-        self._of_view = {"phi_rule": _phi_rule(view_pairs), "pool_counts": (max(len(tangents), 1), count, view_pairs)}
+        self._of_view = {
+            "phi_rule": _phi_rule(view_pairs),
+            "pool_counts": (max(len(tangents), 1), count, view_pairs),
+        }
         return len(tangents) * count * pairs * 2
 
     def _make_view_table(
@@ -192,7 +199,7 @@ class Direct(Method):
         groups, lanes, _ = self._variant
         record = _lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
         inputs = {"lobe_data": self._lobe_data, **self._uniforms, **self._of_view}
-        self._view.make(schedule.view_size, levels, _defines(groups, lanes, True), inputs, record)
+        self._view.make(plan.view_size(schedule, fabric), levels, _defines(groups, lanes, True), inputs, record)
 
     def _make_woven_table(
         self, fabric: Fabric, lobes: tuple[Lobes, Lobes], schedule: plan.Schedule, levels: Levels
@@ -208,7 +215,7 @@ class Direct(Method):
             total = np.array([(fabric.weights[:, 1] * near)[yarn == j].sum() for j in (0, 1)])
             sets.append({"table_rel": packed(near / np.where(total > 0.0, total, 1.0)[yarn], groups, lanes)})
         defines = {**_defines(groups, lanes, True), "WEAVE": 1, "LANE_COUNT": lanes}
-        self._woven_view.make(schedule.view_size, levels, defines, inputs, record, sets)
+        self._woven_view.make(plan.view_size(schedule, fabric), levels, defines, inputs, record, sets)
 
     def _set_fabric(self, fabric: Fabric, pooled: bool, part: int | None) -> None:
         tangents = fabric.tangents
@@ -323,9 +330,9 @@ def _entries(lights: Lights, schedule: plan.Schedule, lobes, pooled: np.ndarray,
 
 
 def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, fabric: Fabric) -> np.ndarray:
-    """How nodes of one level see the lobes, [K, 5, 4] float32: the share kept, 1 / sharp^2 and log2(amplitude / sharp) of the
+    """How nodes of one level see the lobes, [K, 5, 4] float32: the share kept, 1 / sharp^2 and amplitude / sharp of the
     widened lobe, and what the first two change by for each unit of variance that the horizon takes. A rule of one node
-    has sharp and log2(amplitude) themselves.
+    has sharp and the amplitude themselves.
 
     Components: surface of yarn 0 and 1, volume of yarn 0 and 1.
     """
@@ -341,13 +348,12 @@ def _lobe_records(level: int, sharpness: np.ndarray, pooled: np.ndarray, lobes, 
 
     (kept, spread), (kept_cut, spread_cut) = seen(1.0), seen(1.0 - MOST_CUT)
     amplitude = (1.0 - pooled[:, None] * own) * (1.0 - k_d) * 2.0 * np.sqrt(np.log(2) / np.pi)
-    height = np.log2(np.maximum(amplitude, 1e-30))
     if level == 0:
         spread = 1.0 / np.sqrt(spread)
-        height = height + np.log2(spread)
-    return np.stack([kept, spread, height, (kept_cut - kept) / MOST_CUT, (spread_cut - spread) / MOST_CUT], 1).astype(
-        "f4"
-    )
+        amplitude = amplitude * spread
+    return np.stack(
+        [kept, spread, amplitude, (kept_cut - kept) / MOST_CUT, (spread_cut - spread) / MOST_CUT], 1
+    ).astype("f4")
 
 
 def _phi_rule(pairs: int) -> np.ndarray:

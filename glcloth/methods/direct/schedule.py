@@ -20,24 +20,32 @@ class Schedule:
     sharper : sharpness, for linen's lobes of 12 degrees, below which level 1, 2, ... of the ladder is used
     shift : levels added to that
     theta_count, phi_pairs : nodes of the pooled lobes of a tangent: in theta, and pairs in phi
+    view_size, upright_view_size : texels a side of the table over omega_o, the latter of fabrics with upright tangents
     view_pairs : pairs in phi with which that table is made: grazing views ask for more than pixels can pay
     pooled_ratio : how many times the width 2 gamma of a lobe sigma must be for its Gaussian to be pooled
     """
 
-    sharper: tuple[float, ...] = (150.0, 19.0, 4.5, 1.5, 0.55)
+    sharper: tuple[float, ...] = (150.0, 13.0, 4.5, 1.5, 0.55)
     shift: int = 0
     theta_count: int = 3
-    phi_pairs: int = 3
+    phi_pairs: int = 4
     view_size: int = 49
+    upright_view_size: int = 65
     view_pairs: int = 5
     pooled_ratio: tuple[float, float] = (0.7, 0.9)
 
 
 SCHEDULES = {
-    "draft": Schedule(sharper=(120.0, 8.0, 2.5), theta_count=2),
+    "draft": Schedule(sharper=(120.0, 8.0, 2.5), theta_count=2, phi_pairs=3, upright_view_size=49),
     "normal": Schedule(),
     "high": Schedule(
-        sharper=(300.0, 22.0, 6.0, 2.2, 0.9), shift=2, theta_count=5, phi_pairs=6, view_size=97, pooled_ratio=(0.6, 0.8)
+        sharper=(300.0, 22.0, 6.0, 2.2, 0.9),
+        shift=2,
+        theta_count=5,
+        phi_pairs=6,
+        view_size=97,
+        upright_view_size=97,
+        pooled_ratio=(0.6, 0.8),
     ),
 }
 
@@ -65,6 +73,9 @@ _KEPT = {
     5: (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.997, 0.985, 0.956, 0.919, 0.882, 0.864, 0.850, 0.847),
     6: (1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.995, 0.976, 0.942, 0.904, 0.885, 0.870, 0.867),
 }
+# Least squares weigh the place of the product as much as its mass; where a Gaussian lights a narrow lobe alone, its mass is
+# the radiance. Rules of four and of seven nodes move so many times as far from s = 1 (docs/direct.md); more nodes need not.
+NEARER = {1: 2.0, 2: 2.0}
 
 
 def smoothstep(low, high, x):
@@ -78,13 +89,22 @@ def kept_share(level: int, sharpness: np.ndarray, gamma: np.ndarray, left: float
     n = nodes_in_row(level)
     variance = left / (sharpness + CUT_SHARPNESS)
     r = variance / (variance + 2.0 * np.square(gamma))
-    return 1.0 - (1.0 - np.interp(r, _R, _KEPT[min(n, 6)])) * min(n, 6) / n
+    return 1.0 - NEARER.get(level, 1.0) * (1.0 - np.interp(r, _R, _KEPT[min(n, 6)])) * min(n, 6) / n
+
+
+def upright(fabric: Fabric) -> float:
+    """How upright (0..1) the most upright tangent is."""
+    return float(smoothstep(*UPRIGHT_DEG, np.degrees(max(abs(t.tilt) for t in fabric.tangents))))
 
 
 def view_rim(fabric: Fabric) -> float:
     """`rim` of glsl/direct/view.glsl."""
-    upright = smoothstep(*UPRIGHT_DEG, np.degrees(max(abs(t.tilt) for t in fabric.tangents)))
-    return float(VIEW_RIM[0] + upright * (VIEW_RIM[1] - VIEW_RIM[0]))
+    return VIEW_RIM[0] + upright(fabric) * (VIEW_RIM[1] - VIEW_RIM[0])
+
+
+def view_size(schedule: Schedule, fabric: Fabric) -> int:
+    """Texels a side of the table over omega_o."""
+    return schedule.upright_view_size if upright(fabric) > 0.0 else schedule.view_size
 
 
 def pooled_lobes(fabric: Fabric) -> tuple[Lobes, Lobes]:
@@ -145,5 +165,6 @@ def levels(schedule: Schedule, sharpness: float, pooled: float, lobes: tuple[Lob
     # A single node sees the lobe exactly; it is W, which varies alike in all fabrics, that asks for more.
     edges = np.log(schedule.sharper) + scale
     edges[0] -= 0.25 * scale
+    edges[1] -= 0.4 * pooled  # the pooled nodes carry what varies most
     height = float((1.0 - smoothstep(edges - BLEND, edges + BLEND, x)).sum())
     return _two_levels(height + schedule.shift)

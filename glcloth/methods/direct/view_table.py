@@ -44,7 +44,7 @@ class ViewTable:
         levels : of `broad_nodes.levels`; none: nothing is looked up, and what is there already serves
         defines : how the tangents are packed (Direct.variants)
         inputs : the method's uniforms and the nodes of its lobes
-        record : how the nodes of the fixed rule see the lobes, [3 or more, 4]: share kept, 1 / sharp^2, log2(amplitude / sharp)
+        record : how the nodes of the fixed rule see the lobes, [3 or more, 4]: share kept, 1 / sharp^2, amplitude / sharp
         sets : uniforms of each of several such tables, one behind the other
         """
         if not levels and self.texture is not None:
@@ -54,7 +54,7 @@ class ViewTable:
         blocks = chosen["block_count"]
         if self.texture is None or self.texture.width != size or self.texture.layers < BLOCK * blocks * len(sets):
             self.texture = self._array(self.texture, size, BLOCK * blocks * len(sets))
-        names = ("broad_kept", "broad_spread", "broad_height")
+        names = ("broad_kept", "broad_spread", "broad_amplitude")
         lobes = dict(zip(names, record[:3], strict=True))
         program = programs(self.ctx).compute("passes/methods/view_table.comp", defines)
         for number, own in enumerate(sets):

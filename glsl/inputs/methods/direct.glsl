@@ -67,7 +67,7 @@ Entry fetch_entry(int k, mat3 surface_from_world) {
     vec4 light = texelFetch(entry_data, at + 1);  // radiance; number of its V, first row of its rule, rows
     entry_kept = texelFetch(entry_data, at + 2);
     entry_sharp = entry_spread = texelFetch(entry_data, at + 3);  // of one node, of several
-    entry_height = texelFetch(entry_data, at + 4);
+    entry_amplitude = texelFetch(entry_data, at + 4);
     float width = texelFetch(entry_data, at + 5).x;  // of its columns
     int rows = floatBitsToInt(light.w);
     vec3 xi = surface_from_world * head.xyz;

@@ -61,8 +61,9 @@ void add_P(int g) {
 }
 
 // Of one entry; components (surface of yarn 0, surface of yarn 1, volume of yarn 0, volume of yarn 1): how much of its
-// distance from the mean a node keeps; the widened lobe is exp2(height - (sharp (theta_i + theta_o))^2).
-vec4 entry_kept, entry_sharp, entry_height;
+// distance from the mean a node keeps; the widened lobe is
+// amplitude exp2(-(sharp (theta_i + theta_o))^2), with `sharp` in its amplitude already where a rule has one node.
+vec4 entry_kept, entry_sharp, entry_amplitude;
 // The same of several nodes of a Gaussian that the horizon cuts: 1 / sharp^2, and what it and `kept` change by for each
 // unit of variance that a tangent's theta_i loses. entry_cut: the loss of the direction entry_v, which tilts the axis; the
 // direction N x entry_v loses none.
@@ -70,8 +71,8 @@ vec4 entry_spread, entry_spread_cut, entry_kept_cut;
 float entry_cut;
 vec3 entry_v;
 vec2 entry_u;
-// What is squared there, start + slope theta_i of the node; and `height`.
-vec4 start_s[GROUPS], slope_s[GROUPS], height_s[GROUPS], start_v[GROUPS], slope_v[GROUPS], height_v[GROUPS];
+// What is squared there, start + slope theta_i of the node; and the amplitude.
+vec4 start_s[GROUPS], slope_s[GROUPS], amplitude_s[GROUPS], start_v[GROUPS], slope_v[GROUPS], amplitude_v[GROUPS];
 
 // For several nodes about a mean.
 void aim_group(int g, vec3 mean) {
@@ -89,8 +90,8 @@ void aim_group(int g, vec3 mean) {
     start_v[g] = wider_v * (theta_o[g] + (1.0 - kept_v) * theta_mean);
     slope_s[g] = wider_s * kept_s;
     slope_v[g] = wider_v * kept_v;
-    height_s[g] = of_yarn(g, entry_height.xy) + log2(wider_s);
-    height_v[g] = of_yarn(g, entry_height.zw) + log2(wider_v);
+    amplitude_s[g] = of_yarn(g, entry_amplitude.xy) * wider_s;
+    amplitude_v[g] = of_yarn(g, entry_amplitude.zw) * wider_v;
     surface[g] = volume[g] = vec4(0.0);
 }
 
@@ -100,8 +101,8 @@ void aim_group_at_node(int g) {
     slope_v[g] = of_yarn(g, entry_sharp.zw);
     start_s[g] = slope_s[g] * theta_o[g];
     start_v[g] = slope_v[g] * theta_o[g];
-    height_s[g] = of_yarn(g, entry_height.xy);
-    height_v[g] = of_yarn(g, entry_height.zw);
+    amplitude_s[g] = of_yarn(g, entry_amplitude.xy);
+    amplitude_v[g] = of_yarn(g, entry_amplitude.zw);
     surface[g] = volume[g] = vec4(0.0);
 }
 
@@ -121,8 +122,8 @@ void light_group(int g, vec3 omega_i, float weight) {
     // 1 / (cos^2(theta_d) (cos theta_i + cos theta_o)); the surface term takes the sum out again.
     vec4 front = weight * shared_P[g] * f[0] * cos_theta_i / (f[3] * cos_sum);
     vec4 theta_i = theta_slots(t);
-    vec4 g_s = lobe_slots(theta_i, start_s[g], slope_s[g], height_s[g]);
-    vec4 g_v = lobe_slots(theta_i, start_v[g], slope_v[g], height_v[g]);
+    vec4 g_s = amplitude_s[g] * lobe_slots(theta_i, start_s[g], slope_s[g]);
+    vec4 g_v = amplitude_v[g] * lobe_slots(theta_i, start_v[g], slope_v[g]);
     surface[g] += front * cos_sum * F_r * half_cos_half_phi_d * g_s;
     volume[g] += front * F_t * F_t * (g_v + slot_k_d[g]);
 }

@@ -12,7 +12,7 @@ layout(rgba32f) writeonly uniform image2DArray view_table;
 uniform int fixed_count;
 uniform float view_rim;
 uniform int block_count;
-uniform vec4 broad_kept, broad_spread, broad_height;  // as entry_kept, ...
+uniform vec4 broad_kept, broad_spread, broad_amplitude;  // as entry_kept, ...
 
 uniform int first_layer;
 #ifdef WEAVE
@@ -48,7 +48,7 @@ void add_node(vec3 omega, SUMS weight) {
 void visit_fixed(float cos_o) {
     entry_kept = broad_kept;
     entry_spread = broad_spread;
-    entry_height = broad_height;
+    entry_amplitude = broad_amplitude;
     entry_kept_cut = entry_spread_cut = vec4(0.0);
     entry_cut = 0.0;
     entry_v = vec3(0.0);
