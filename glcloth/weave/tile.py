@@ -7,7 +7,7 @@ yarns' heights; sections are ellipses.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -96,13 +96,55 @@ def tile_size(picks: int, ends: int) -> tuple[int, int]:
 def make_tile(shape: Shape, size: tuple[int, int] | None = None) -> Tile:
     """The cloth of `shape` seen from above, `size` = (H, W) texels (`tile_size` by default).
 
-    At each texel the highest of all yarns that pass there wins, so floats, crossings, gaps and areas need no cases.
+    At each texel the highest of all yarns that pass there wins, so floats, crossings, gaps and areas need no cases. Where
+    few crossings differ from those of the tile before, only the strips about their threads are made anew.
     """
     picks, ends = shape.draft.structure
     draft = shape.draft.sized(picks, ends)
     H, W = size or tile_size(picks, ends)
-    warp, weft = _Threads(draft.warp_spacing, draft.warp_thickness), _Threads(draft.weft_spacing, draft.weft_thickness)
     v, u = (np.arange(H) + 0.5) * ends / H, (np.arange(W) + 0.5) * picks / W
+    rows, columns, before = np.arange(H), np.arange(W), _latest.get((H, W))
+    changed = None if before is None else _rewoven(shape, draft, *before[:2])
+    if before is None or changed is None:
+        fields = _seen(shape, draft, v, u)
+    else:
+        fields = tuple(a.copy() for a in before[2])
+        warp, weft = (
+            _Threads(draft.warp_spacing, draft.warp_thickness),
+            _Threads(draft.weft_spacing, draft.weft_thickness),
+        )
+        rows = rows[warp.touched(v, changed[0], 0.5 * shape.width[0])]
+        columns = columns[weft.touched(u, changed[1], 0.5 * shape.width[1])]
+        for field, high, low in zip(
+            fields, _seen(shape, draft, v[rows], u), _seen(shape, draft, v, u[columns]), strict=True
+        ):
+            field[rows], field[:, columns] = high, low
+    while len(_latest) > 1 and (H, W) not in _latest:
+        del _latest[next(iter(_latest))]
+    _latest[H, W] = shape, draft, fields
+    p_1, p_2 = shape.pitch
+    return Tile(*fields, (picks * p_2, ends * p_1), (picks, ends))
+
+
+# The last tile of each of two sizes (H, W), of a whole weave and of a sketch of it: its shape, one repeat of its draft, its maps.
+_latest: dict[tuple[int, int], tuple[Shape, Draft, tuple[np.ndarray, ...]]] = {}
+
+
+def _rewoven(shape: Shape, draft: Draft, old: Shape, old_draft: Draft) -> tuple[np.ndarray, np.ndarray] | None:
+    """Which ends and which picks of one repeat run otherwise than in an older shape, bool; None: more than that differs."""
+    if replace(old, draft=shape.draft) != shape or draft.drawdown.shape != old_draft.drawdown.shape:
+        return None
+    of_threads = ["cut", *(f"{system}_{what}" for system in ("warp", "weft") for what in ("spacing", "thickness"))]
+    if not all(np.array_equal(getattr(draft, name), getattr(old_draft, name)) for name in of_threads):
+        return None
+    differ = draft.drawdown != old_draft.drawdown
+    return differ.any(0), differ.any(1)
+
+
+def _seen(shape: Shape, draft: Draft, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The maps of a tile (system, thread, tilt, side, height) at places v and u, in mean spacings."""
+    picks, ends = draft.drawdown.shape
+    warp, weft = _Threads(draft.warp_spacing, draft.warp_thickness), _Threads(draft.weft_spacing, draft.weft_thickness)
     layers = [
         _highest(shape, 0, warp, v, draft.drawdown.T, weft.crossing(u)),
         _highest(shape, 1, weft, u, ~draft.drawdown, warp.crossing(v)),
@@ -115,11 +157,7 @@ def make_tile(shape: Shape, size: tuple[int, int] | None = None) -> Tile:
         hole |= draft.cut[np.ix_(_number(weft.crossing(u), picks), _number(warp.crossing(v), ends))].T
     system = np.where(hole, -1, weft_wins).astype(np.int8)
     floor = -0.5 * sum(shape.heights)
-    p_1, p_2 = shape.pitch
-    return Tile(
-        system, thread, np.where(hole, 0.0, tilt), np.where(hole, 0.0, side), np.where(hole, floor, height),
-        (picks * p_2, ends * p_1), (picks, ends),
-    )  # fmt: skip
+    return system, thread, np.where(hole, 0.0, tilt), np.where(hole, 0.0, side), np.where(hole, floor, height)
 
 
 def _number(crossing: np.ndarray, n: int) -> np.ndarray:
@@ -140,6 +178,18 @@ class _Threads:
         """Places x in crossings: k at the edge before thread k, k + 1 at the edge behind it."""
         return np.interp(x, self.edges, np.arange(len(self.edges)))
 
+    def own(self, x: np.ndarray) -> np.ndarray:
+        """The thread in whose strip each place x lies."""
+        return np.minimum(np.searchsorted(self.edges, x, side="right") - 1, len(self.middles) - 1)
+
+    def touched(self, x: np.ndarray, threads: np.ndarray, half: float) -> np.ndarray:
+        """Which places x some of the `threads` (bool [n]) may cover; `half`: half a mean thread's width."""
+        reach = self.neighbours(half * self.relative)
+        near = np.zeros(len(threads), bool)
+        for offset in range(-reach, reach + 1):
+            near |= np.roll(threads, offset)
+        return near[self.own(x)]
+
     def neighbours(self, half: np.ndarray) -> int:
         """How many threads away one may be that still lies over a thread's own strip; `half`: their half widths."""
         n = len(self.middles)
@@ -159,25 +209,30 @@ def _highest(shape: Shape, j: int, threads: _Threads, across: np.ndarray, up: np
     across : places across the yarns, in mean spacings. along : places along them, in crossings. up : bool [threads, n].
     """
     n = len(up)
-    axis, slope, dive = path(up, along, shape.bow[j])
-    narrow = 1.0 - shape.pinch[j] * np.clip((dive - 0.4) / 0.6, 0.0, 1.0) ** 2
+    own = threads.own(across)
     half = 0.5 * shape.width[j] * threads.relative
+    reach = threads.neighbours(half)
+    # Only threads that pass here have a path; `number` is a thread's row in it.
+    used = np.unique((own[:, None] + np.arange(-reach, reach + 1)) % n)
+    number = np.zeros(n, int)
+    number[used] = np.arange(len(used))
+    axis, slope, dive = path(up[used], along, shape.bow[j])
+    narrow = 1.0 - shape.pinch[j] * np.clip((dive - 0.4) / 0.6, 0.0, 1.0) ** 2
     # Positive tilt goes down along the yarn. Z fibres rise toward +y of the yarn's own frame: +v of the warp, -u of the weft.
     tilt_of_axis = -shape.largest_tilts[j] * slope
     twist = -shape.twist[j] if j == 0 else shape.twist[j]
     crimp, height = shape.crimps[j], shape.heights[j]
-    own = np.minimum(np.searchsorted(threads.edges, across, side="right") - 1, n - 1)
     best = [np.full((len(across), len(along)), fill) for fill in (-np.inf, 0, 0.0, 0.0)]
-    reach = threads.neighbours(half)
     for offset in range(-reach, reach + 1):
         index = own + offset
         i = index % n
+        k = number[i]
         middle = threads.middles[i] + n * (index // n)
-        y = ((across - middle) / half[i])[:, None] / narrow[i]
+        y = ((across - middle) / half[i])[:, None] / narrow[k]
         inside = np.abs(y) < 1.0
         bulge = np.sqrt(np.maximum(1.0 - y * y, 0.0)) * (0.5 * height * threads.relative[i])[:, None]
-        z = np.where(inside, 0.5 * crimp * axis[i] + bulge, -np.inf)
+        z = np.where(inside, 0.5 * crimp * axis[k] + bulge, -np.inf)
         wins = z > best[0]
-        for a, b in zip(best, (z, i[:, None], tilt_of_axis[i] + twist * y, y), strict=True):
+        for a, b in zip(best, (z, i[:, None], tilt_of_axis[k] + twist * y, y), strict=True):
             np.copyto(a, b, where=wins)
     return tuple(best)

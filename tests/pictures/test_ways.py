@@ -31,8 +31,8 @@ PICTURES = {
     "reference": {**BESIDE, "fabric": "linen", "method": "reference", "cube": 4, "ground": "auto", "size": (24, 18)},
     "sheer": {"fabric": "sheer_voile", "mesh": "sphere", "aovs": ("bounce", "transmission")},
 }  # fmt: skip
-# Two surfaces; coarse pixels and their terms; two samples; two surfaces by ten passes; four layers of cloth and what is through.
-RUNS = {"direct": 2, "adaptive": 2, "paper": 2, "reference": 20, "sheer": 8}
+# Two surfaces; coarse pixels and two grids of terms; two samples; ten passes of two surfaces; four layers, and what is through.
+RUNS = {"direct": 2, "adaptive": 3, "paper": 2, "reference": 20, "sheer": 8}
 # Both run the same text. llvmpipe makes the same code of it; another compiler may order or fuse what it adds otherwise: some
 # steps of float32 in a term, which sums of up to some hundred terms may cancel down to.
 BOUND = 1e-3

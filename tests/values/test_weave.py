@@ -11,6 +11,7 @@ from glcloth.errors import InputError
 from glcloth.fabric import FABRICS, Fabric, Yarn, builtin_fabrics, load_fabric, save_fabric
 from glcloth.methods.albedo import diffuse_albedo
 from glcloth.twins.cloth import f_cloth
+from glcloth.weave import tile as tiles
 from glcloth.weave.draft import Draft
 from glcloth.weave.floats import float_lengths
 from glcloth.weave.maps import mip_levels
@@ -19,7 +20,7 @@ from glcloth.weave.named import WEAVES, named_draft, twill
 from glcloth.weave.picture import weave_picture
 from glcloth.weave.report import weave_report
 from glcloth.weave.tangents import between, sums
-from glcloth.weave.tile import tile_size
+from glcloth.weave.tile import make_tile, tile_size
 
 # Records of the fabrics that were there before weaves, as commit 58edb22 has them.
 OLD = {
@@ -46,6 +47,39 @@ def maps_of(fabric, size=None):
     weights = [[w for t, w in zip(fabric.tangents, fabric.weights[:, 0], strict=True) if t.yarn == j] for j in (0, 1)]
     tilts = [[np.degrees(t.tilt) for t in fabric.tangents if t.yarn == j] for j in (0, 1)]
     return fabric.weave.maps(tilts, weights, size), weights
+
+
+@pytest.mark.parametrize("cut", [False, True])
+def test_a_click_remakes_only_the_strips_about_its_threads(monkeypatch, cut):
+    """The tile is to the bit the one that is made from nothing, of uneven yarns that lie over each other, too."""
+    rng = np.random.default_rng(2)
+    picks, ends = 23, 19
+    sizes = {
+        f"{system}_{what}": rng.uniform(low, 0.06, count)
+        for system, count in (("warp", ends), ("weft", picks))
+        for what, low in (("spacing", 0.03), ("thickness", 0.01))
+    }
+    eyelets = rng.random((picks, ends)) < 0.1 if cut else None
+    drawdown = rng.random((picks, ends)) < 0.5
+    places, path = [], tiles.path
+    monkeypatch.setattr(tiles, "path", lambda up, x, bow: (places.append(len(up) * len(x)), path(up, x, bow))[1])
+
+    def shape():
+        return weave(
+            Draft(drawdown.copy(), cut=eyelets, **sizes), width=(1.05, 0.9), pinch=(0.1, 0.2), bow=(0.4, 0.0)
+        ).shape
+
+    make_tile(shape(), (256, 256))
+    for _ in range(3):
+        drawdown[rng.integers(picks), rng.integers(ends)] ^= True
+        places.clear()
+        quick, few = make_tile(shape(), (256, 256)), sum(places)
+        tiles._latest.clear()
+        places.clear()
+        whole = make_tile.__wrapped__(shape(), (256, 256))
+        assert few < 0.8 * sum(places)
+        for name in ("system", "thread", "tilt", "side", "height"):
+            np.testing.assert_array_equal(getattr(quick, name), getattr(whole, name))
 
 
 # -- areas and geometry ----------------------------------------------------------------------------------------------------
