@@ -1,8 +1,8 @@
-"""`--gi radiosity` of the curtain against `--method path`; a table of docs/curtain.md.
+"""`--gi radiosity` (or another, or off) of the curtain against `--method path`; a table of docs/curtain.md.
 
-python tests/measure/judge_curtain.py [FABRIC:FRAME ...] [--spp 1024] [--size 54] [--out FOLDER]
+python tests/measure/judge_curtain.py [FABRIC:FRAME ...] [--spp 1024] [--size 54] [--gi radiosity] [--out FOLDER]
 
-The judge traces `size` x `size` pixels, each as large as 3 x 3 of the picture by radiosity, whose means over these, of 24 samples
+The judge traces `size` x `size` pixels, each as large as 3 x 3 of the picture by `gi`, whose means over these, of 24 samples
 each, are compared: mean of |difference| and difference of the means of luminance over the judge's mean, and the mean error that
 the judge's noise alone would make; then the difference of the means on curtain, left, right and upper parts of the picture; all
 in %. With `out` the judge's pictures are kept there, and found again.
@@ -33,7 +33,12 @@ def judged(renderer, fabric, frame):
 
 
 options = common.options(
-    __doc__, ["sheer_voile:30", "lace:75", "linen_curtain:60"], spp=1024, size=54, out=Path("out/judge")
+    __doc__,
+    ["sheer_voile:30", "lace:75", "linen_curtain:60"],
+    spp=1024,
+    size=54,
+    gi="radiosity",
+    out=Path("out/judge"),
 )
 common.head("fabric", "frame", "mean", "bias", "noise", "curtain", "left", "right", "above", "below")
 with glcloth.Renderer() as renderer:
@@ -41,7 +46,7 @@ with glcloth.Renderer() as renderer:
         fabric, frame = entry.split(":")
         b, error = judged(renderer, fabric, int(frame))
         n = options.size
-        scene = Scene(curtain={}, fabric=fabric, frame=int(frame), size=(3 * n, 3 * n), gi="radiosity", spp=24)
+        scene = Scene(curtain={}, fabric=fabric, frame=int(frame), size=(3 * n, 3 * n), gi=options.gi, spp=24)
         a = luminance(np.asarray(renderer.render(scene), float)).reshape(n, 3, n, 3).mean((1, 3))
         k = n // 9
         rows, whole = slice(2 * k, 7 * k), slice(0, n)
