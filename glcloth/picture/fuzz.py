@@ -24,11 +24,10 @@ DIAMETER = 20e-6  # metres, of a hair: between cotton (12 to 20 micrometres) and
 SEGMENTS = 5  # of a hair
 TABLE_SIDE = 20  # directions of hairs
 NODES = 48  # directions of a light
-CLEAR = (
-    5.0,
-    9.0,
-)  # hair lengths before the cloth, from which on a hair shows, and shows whole: from straight above to 80
-# degrees none does, on cloth that is flat
+# Hair lengths before the cloth, from which on a hair shows, and shows whole: from straight above to 80 degrees none does, on
+# cloth that is flat.
+CLEAR = 5.0, 9.0
+FARTHEST = 0.75  # of the longest hair, in a pixel: from there on hairs are dots, which say nothing of hairs
 ONE_MINUS_SRC1_COLOR = 0x88FA  # of OpenGL: 1 - the second output of a fragment
 SOFTEST = 0.25  # of hair_horizon, at least: hairs stand above the plane at their root
 
@@ -55,7 +54,8 @@ class Fuzz:
         mesh, weave = buffer.drawn.mesh.mesh, cloth.fabric.weave
         whole = mesh if cloth.mask is None else cloth.mask.whole  # where a mask parts cloth, it does not end
         edges = self._rim.get(lambda: rim_edges(whole), whole.triangles)
-        measures = 1e6 * weave.fuzz, 1e-3 * weave.fuzz_length, DIAMETER, far
+        length = 1e-3 * weave.fuzz_length
+        measures = 1e6 * weave.fuzz, length, DIAMETER, min(far, FARTHEST * length)
         return self._hairs.get(
             lambda: hairs_in_view(
                 mesh,

@@ -96,6 +96,9 @@ def test_hairs_stand_out_and_the_cloth_stays(renderer):
 def test_no_hairs_from_afar_nor_before_objects_that_hide_them(renderer):
     far = [renderer.render(mesh=sheet(), fabric=fuzzy(fuzz), camera=camera(0.6), **LOOK) for fuzz in (12.0, 0.0)]
     assert np.array_equal(*far)
+    # Threads of a wide pattern are seen from farther: in pixels of 2 mm a hair of 1.8 mm would be a dot.
+    wide = [renderer.render(mesh=sheet(), fabric=fuzzy(n, "tartan"), camera=camera(0.4), **LOOK) for n in (12.0, 0.0)]
+    assert renderer.stage.cloths[0].threads.shown and np.array_equal(*wide)
     # A cloth in front of the rim hides its hairs.
     front = build_mesh(
         "front", np.array([[-0.1, -0.1, 0.02], [0.1, -0.1, 0.02], [0.1, 0.1, 0.02], [-0.1, 0.1, 0.02]]),
