@@ -16,6 +16,7 @@ from .tally import Tally
 _FORMATS = {
     "rgba32f": (GL.GL_RGBA32F, 16),
     "r32f": (GL.GL_R32F, 4),
+    "rg32f": (GL.GL_RG32F, 8),
     "rgba32ui": (GL.GL_RGBA32UI, 16),
     "rg32ui": (GL.GL_RG32UI, 8),
     "rg32i": (GL.GL_RG32I, 8),

@@ -21,6 +21,7 @@ from ..methods.albedo import diffuse_albedo
 from ..methods.method import Method
 from ..methods.registry import make_method
 from ..tracing.energy import mean_albedo, reflection_limit
+from ..visibility.furnace import Given
 from ..visibility.hit_vertices import HitSurface
 from ..visibility.irradiance import irradiance_table
 from ..visibility.pixels import SEEN_ALL, PixelView
@@ -152,6 +153,10 @@ class ClothSurface(Surface):
         """In steps, so that bounced light is gathered anew only for edits that it shows; what a pixel makes of it has none."""
         albedo = self.visibility.furnace.albedo(self.scene_buffers) * self.visibility.limit
         return np.exp(SHARE_STEP * np.round(np.log(np.maximum(albedo, 1e-6)) / SHARE_STEP))
+
+    @property
+    def given(self) -> Given:
+        return self.visibility.furnace.given(self.scene_buffers)
 
     def albedo_at(self, triangles: np.ndarray, uv: np.ndarray) -> np.ndarray:
         if self._print is None:

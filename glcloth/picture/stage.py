@@ -203,7 +203,7 @@ class Stage:
             yield from surface.see(part.view, sample, pace)
         if not self._bounces:
             return
-        reflectances = [(surface.visibility, surface.reflectance) for surface in self.surfaces]
+        reflectances = [(s.visibility, s.reflectance, s.given) for s in self.surfaces]
         for _ in self._bounce.gather(reflectances, self.cloths[0].scene_buffers):
             yield from pace.pause(self.ctx)
         for _, part in parts:

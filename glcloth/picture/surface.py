@@ -15,6 +15,7 @@ from ..gpu.covered import Way
 from ..gpu.gbuffer import GBuffer, MeshBuffers
 from ..gpu.memo import Last
 from ..gpu.programs import Draw, programs
+from ..visibility.furnace import Given
 from ..visibility.hit_vertices import HitSurface
 from ..visibility.pixels import PixelView, PixelVisibility
 from .frame import Frame
@@ -71,6 +72,11 @@ class Surface(ABC):
     def reflectance(self) -> np.ndarray:
         """How much of the light that comes evenly from everywhere goes back: [3], or [V, 4] of each vertex; the same
         array while nothing changes."""
+
+    @property
+    def given(self) -> Given:
+        """How what goes back differs from a Lambertian's."""
+        return Given()
 
     @property
     def catches(self) -> bool:

@@ -121,6 +121,14 @@ def mean_visibility(bits, N, directions, table, steepness=8.0):
     return V
 
 
+def response_to(cos_theta, flat_share):
+    """What cloth gives back of a beam, over its albedo, on the side that the cosine is above 0 on and on the other
+    [..., 2]: flat_share + (1 - 2 flat_share) z, the first term fading below z = 0.01. Even light gives the albedo.   [own]"""
+    z = np.maximum(np.stack([np.asarray(cos_theta, float), -np.asarray(cos_theta, float)], -1), 0.0)
+    flat_share = np.asarray(flat_share, float)[..., None]
+    return flat_share * np.minimum(100.0 * z, 1.0) + (1.0 - 2.0 * flat_share) * z
+
+
 def later_bounces(albedo, hidden):
     """All later bounces over the first, between surfaces like this one: 1 + (albedo hidden) + (albedo hidden)^2 + ...   [own]"""
     return 1.0 / (1.0 - np.clip(np.asarray(albedo, float) * np.asarray(hidden, float)[..., None], 0.0, 0.95))

@@ -11,14 +11,14 @@ from ..gpu.buffers import TextureBuffer
 from ..gpu.context_local import of_context
 from ..gpu.memo import Last
 from ..light.lights import Lights
-from ..twins.lambert import gaussian_irradiance
+from ..twins.lambert import gaussian_above, gaussian_irradiance
 
 STEPS = 256  # over the cosine from -1 to 1: linear between them it errs by 1e-4 of a light's flux
 
 
 class _Table:
     def __init__(self, ctx: moderngl.Context):
-        self.buffer = TextureBuffer(ctx, 16, "r32f")
+        self.buffer = TextureBuffer(ctx, 16, "rg32f")
         self.written: Last[None] = Last()
 
 
@@ -26,5 +26,9 @@ def irradiance_table(ctx: moderngl.Context, lights: Lights) -> dict[str, Any]:
     """The table for some lights by its name in GLSL; one for a context, written when the widths of the lights change."""
     table, sharpness = of_context(_Table, ctx), lights.gaussians.sharpness
     values = sharpness[:, None], np.linspace(-1.0, 1.0, STEPS + 1)
-    table.written.get(lambda: table.buffer.write(gaussian_irradiance(*values).astype("f4")), sharpness.tobytes())
+
+    def write() -> None:
+        table.buffer.write(np.stack([gaussian_irradiance(*values), gaussian_above(*values)], -1).astype("f4"))
+
+    table.written.get(write, sharpness.tobytes())
     return {"irradiance_table": table.buffer}

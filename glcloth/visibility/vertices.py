@@ -364,22 +364,23 @@ class VertexVisibility:
             table = np.concatenate([table, own])
         return table
 
-    def gather(self, radiance: TextureBuffer, steepness: float | None = None) -> None:
+    def gather(self, radiance: TextureBuffer, flat_share: float) -> None:
         """Make `bounced` from the vertices that the fixed directions ended at: of each vertex front and back the mean
         radiance that comes back to it, and the mean of its luminance times its direction.
 
         Parameters
         ----------
-        radiance : of all vertices in the numbering of `hit_vertices`, front and back
-        steepness : of the weight of directions; None: that of the means
+        radiance : of all vertices in the numbering of `hit_vertices`, front and back; and how upright it is (`Given`)
+        flat_share : of the weight of directions: `response_to` of glsl/trace/visibility.glsl
         """
         vertices = self.probes.spread.shape[0]
         self._bounce_sums.reserve(64 * len(self.probes.points))
         self.bounced.reserve(64 * vertices)
         counts = {"class_directions": len(self._traced[0]), "direction_count": self.done}
-        weight = {"steepness": steepness or self.steepness}
         program = programs(self.ctx).compute("passes/visibility/bounce_gather.comp")
-        self._run_classes(program, counts | weight, radiance_data=radiance, Sums=self._bounce_sums)
+        assert self.hit_vertices is not None
+        inputs = counts | self.hit_vertices.inputs()
+        self._run_classes(program, inputs, radiance_data=radiance, Sums=self._bounce_sums, flat_share=flat_share)
         program = programs(self.ctx).compute("passes/visibility/bounce_spread.comp")
         own = {"sum_data": self._bounce_sums, "Means": self.bounced}
         program.run(vertices, self._data, own, vertex_count=vertices)

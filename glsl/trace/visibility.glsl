@@ -20,6 +20,13 @@ float from_bands(vec3 omega, vec4 low, vec4 middle, float top) {
     return dot(quadrant_shares(omega), bands.x * low + bands.y * middle) + bands.z * top;
 }
 
+// [own]  What cloth gives back of a beam, over its albedo, by the cosine of the beam on this side (above 0) and on the other
+// one: a share of it is flat in the cosine up to the horizon, where a Lambertian (`flat_share` 0) follows the cosine.
+vec2 response_to(float cos_theta, float flat_share) {
+    vec2 z = max(vec2(cos_theta, -cos_theta), 0.0);
+    return flat_share * min(100.0 * z, 1.0) + (1.0 - 2.0 * flat_share) * z;
+}
+
 // [own]  All later bounces over the first, between surfaces like this one: 1 + (albedo hidden) + (albedo hidden)^2 + ..., where a
 // share of the light about it is `hidden`.
 vec3 later_bounces(vec3 albedo, float hidden) {

@@ -108,6 +108,8 @@ SPECIAL = {
     ("from_bands", "low"): lambda rng, count: rng.random((count, 4)),
     ("from_bands", "middle"): lambda rng, count: rng.random((count, 4)),
     ("from_bands", "top"): between(0.0, 1.0),
+    ("response_to", "cos_theta"): between(-1.0, 1.0, 0.0, 0.05, -0.05),
+    ("response_to", "flat_share"): between(0.0, 0.9),
     ("ground_place", "p"): lambda rng, count: rng.normal(size=(count, 2)) * np.exp(rng.uniform(-7, 7, (count, 1))),
     ("ground_place", "scale"): between(0.1, 5.0),
     ("ground_place", "rings"): choice(84.0, 20.0),

@@ -1,11 +1,12 @@
 """Errors of `direct` with shadows and bounce against `path`; a table of docs/path.md.
 
 python tests/measure/judge.py [studio sky FILE.hdr ...] [--fabrics linen,silk_crepe_de_chine,satin_charmeuse_front]
-    [--size 120x90] [--noise 1.5] [--light map] [--ground off] [--method direct] [--quality normal]
+    [--size 120x90] [--noise 1.5] [--spp 144] [--turn 0] [--light map] [--ground off] [--method direct] [--quality normal]
 
 Of the pixels that the built-in cloth covers whole, after means over 3x3 of them, which quieten the judge: mean of
 |difference| and difference of the means over the judge's mean, median and 95th percentile of the relative error, and the
-judge's own noise in these means; all in %.
+judge's own noise in these means; all in %. The picture that is judged has `--spp` samples a pixel: with 16 its own
+noise, in the folds of silk at 56x42, is 2 %.
 """
 
 import common
@@ -24,20 +25,21 @@ def means(values, covered):
 
 options = common.options(
     __doc__, ["studio"], fabrics=common.FABRICS, size="120x90", noise=1.5, light="map", ground="off", method="direct",
-    quality="normal",
+    quality="normal", spp=144, turn=0.0,
 )  # fmt: skip
 common.head("map", "fabric", "mean", "bias", "median", "95 %", "noise", "samples", "s")
 with glcloth.Renderer() as renderer:
     for env in options.environments:
         for fabric in options.fabrics:
             look = dict(
-                mesh="drape", fabric=fabric, env=env, size=options.size, ground=options.ground, background=False
-            )
+                mesh="drape", fabric=fabric, env=env, size=options.size, ground=options.ground, background=False,
+                env_rotate=options.turn,
+            )  # fmt: skip
             begin = common.time.perf_counter()
             judge = renderer.render(method="path", light=options.light, noise=options.noise, **look)
             seconds = common.time.perf_counter() - begin
             sums = renderer.path_sums()
-            test = renderer.render(method=options.method, quality=options.quality, spp=16, **look)
+            test = renderer.render(method=options.method, quality=options.quality, spp=options.spp, **look)
             cloth = (sums.cover == sums.samples) & (np.asarray(test)[..., 3] > 0.999)
             if options.ground != "off":  # the ground has no fabric
                 cloth &= np.ptp(sums.albedo / sums.samples - glcloth.Scene().ground_color, axis=-1) > 1e-3

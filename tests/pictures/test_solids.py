@@ -20,8 +20,9 @@ from glcloth.gpu.scene_buffers import SceneBuffers
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.scene import Scene, View, load_scene
 from glcloth.twins.ground import ground_place
-from glcloth.twins.lambert import gaussian_irradiance
+from glcloth.twins.lambert import gaussian_above, gaussian_irradiance
 from glcloth.visibility.bounce import Bounce
+from glcloth.visibility.furnace import Given
 from glcloth.visibility.hit_vertices import HitSurface
 from glcloth.visibility.pixels import Occluders, PixelVisibility
 from glcloth.window.sharing import as_command, as_python
@@ -80,6 +81,13 @@ def test_irradiance_of_a_gaussian():
     assert gaussian_irradiance(0.0, 0.4) == pytest.approx(np.pi, rel=1e-5)
     assert gaussian_irradiance(1e4, 0.6) == pytest.approx(0.6 * 2 * np.pi / 1e4, rel=1e-4)
     assert gaussian_irradiance(1e4, -0.2) == 0.0
+    for kappa, c in ((0.5, 0.7), (8.0, 0.1), (60.0, -0.3)):
+        whole = 2 * np.pi * -np.expm1(-2 * kappa) / kappa
+        assert gaussian_above(kappa, c) + gaussian_above(kappa, -c) == pytest.approx(whole, rel=1e-4)
+        slope = (gaussian_above(kappa, 0.6) - gaussian_above(kappa, -0.6)) / whole
+        assert slope > 0.1 and gaussian_above(kappa, 1.0) == pytest.approx(
+            2 * np.pi * -np.expm1(-kappa) / kappa, rel=2e-3
+        )
 
 
 def test_rings_are_where_their_closed_form_says():
@@ -232,7 +240,7 @@ def bounced_by(ctx, meshes, shares):
         for _ in cloths[-1].steps():
             pass
         cloths[-1].integrate(None)
-    surfaces = list(zip(cloths, shares, strict=True))
+    surfaces = [(cloth, share, Given(0.2, 0.5)) for cloth, share in zip(cloths, shares, strict=True)]
     for _ in bounce.gather(surfaces, scene):
         pass
     assert not list(bounce.gather(surfaces, scene)), "known"

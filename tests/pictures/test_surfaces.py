@@ -189,3 +189,15 @@ def test_what_bounces_off_a_fabric_is_known_well(renderer):
             got.append(luminance(texel.astype(float)))
     error = np.abs(np.array(got) - expected)
     assert error.mean() < 0.03 * np.mean(expected)
+    # By the cosines of light and view: the mean cosine of the light is 2/3 - flat_share / 3, half the slope by the view.
+    u = np.random.default_rng(0).random((4, 40_000))
+    z, turn = np.stack([u[0], np.sqrt(u[1])]), 2 * np.pi * u[2:]
+    r = np.sqrt(1 - z * z)
+    light, view = np.moveaxis(np.stack([r * np.cos(turn), r * np.sin(turn), z], -1), 0, 0)
+    f = luminance(f_cloth(light, view, *fabric.arrays()))
+    f /= f.mean()
+    given = furnace.given(cloth.scene_buffers)
+    assert given.flat_share == pytest.approx(2 - 3 * (f * z[0]).mean(), abs=0.04)
+    assert given.upright == pytest.approx(9 * (f * (z[1] - 2 / 3)).mean(), abs=0.06)
+    of_height = 108 * (f * (z[0] - 0.5) * (z[1] - 2 / 3)).mean()
+    assert given.upright_of_height == pytest.approx(of_height, abs=0.3)

@@ -9,6 +9,7 @@ uniform sampler2DArray views;          // passes/methods/furnace_views.comp
 uniform bool over_ground;
 const float HORIZON = 0.4;  // of the sine of the height: so softly the few directions of a lobe pass from hidden to seen,
                             // where the horizon of the world goes through the hemisphere
+const float MEAN_HEIGHT = 0.5025;  // of even light's directions as passes/visibility/bounce_gather.comp weighs them: by min(100 z, 1)
 vec3 up;                    // in the surface frame
 float softness;
 vec3 viewer;                // likewise
@@ -36,11 +37,12 @@ float V_broad(vec3 omega) {
 vec3 with_bounce(vec3 L) {
     if (albedo == vec3(0.0)) return L;
     vec3 back = texelFetch(bounced_light, ivec3(seen_pixel, 0), 0).rgb;
-    vec2 from = (seen_frame * texelFetch(bounced_light, ivec3(seen_pixel, 1), 0).xyz).xy
+    vec3 from = seen_frame * texelFetch(bounced_light, ivec3(seen_pixel, 1), 0).xyz
         / max(dot(back, vec3(0.2126, 0.7152, 0.0722)), 1e-12);
+    from.z -= MEAN_HEIGHT;
     vec2 place = vec2(atan(viewer.y, viewer.x) / (2.0 * PI), viewer.z);
     vec4 furnace = textureLod(views, vec3(place, 0.0), 0.0);
-    float lean = dot(vec2(furnace.a, textureLod(views, vec3(place, 1.0), 0.0).r), from);
+    float lean = dot(vec3(furnace.a, textureLod(views, vec3(place, 1.0), 0.0).rg), from);
     back *= furnace.rgb * max(1.0 + lean, 0.0);
 #ifdef WEAVE
     back *= seen_evenly();

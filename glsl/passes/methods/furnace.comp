@@ -16,10 +16,13 @@ void main() {
     float turn = 2.0 * PI * fract(float(i) * R2.x);
     mat2 turned = mat2(cos(turn), sin(turn), -sin(turn), cos(turn));
     vec3 sum = vec3(0.0);
+    float of_height = 0.0;  // luminance times cosine of the light
     for (int n = 0; n < light_count; ++n) {
         vec3 omega_i = texelFetch(point_data, view_count + n).xyz;
         omega_i.xy = turned * omega_i.xy;
-        sum += f_cloth(omega_i, omega_o);
+        vec3 f = f_cloth(omega_i, omega_o);
+        sum += f;
+        of_height += dot(f, vec3(0.2126, 0.7152, 0.0722)) * omega_i.z;
     }
-    result[i] = vec4(sum * (2.0 * 3.14159265 / float(light_count)), 0.0);
+    result[i] = vec4(sum, of_height) * (2.0 * 3.14159265 / float(light_count));
 }
