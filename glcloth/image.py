@@ -171,16 +171,21 @@ def _plain(value):
 
 
 def _existing(path: str | Path, suffixes: tuple[str, ...]) -> Path:
+    path = _there(path, suffixes)
+    if path.suffix.lower() not in suffixes:
+        raise InputError(
+            f"{path}: cannot read {path.suffix or 'a file without suffix'}, expected {', '.join(suffixes)}"
+        )
+    return path
+
+
+def _there(path: str | Path, suffixes: tuple[str, ...]) -> Path:
     path = path_of(path)
     if path.is_dir():
         raise InputError(f"{path}: is a folder, expected a picture ({', '.join(suffixes)})")
     if not path.is_file():
         what = "is a pipe or a device" if path.exists() else "no such file"
         raise InputError(f"{path}: {what}, expected a picture ({', '.join(suffixes)}); check the name")
-    if path.suffix.lower() not in suffixes:
-        raise InputError(
-            f"{path}: cannot read {path.suffix or 'a file without suffix'}, expected {', '.join(suffixes)}"
-        )
     return path
 
 
@@ -239,7 +244,8 @@ def _write_exr(path: Path, array: np.ndarray, text: str | None, half: bool, laye
 def _with_pillow(source: Path | bytes, use):
     from PIL import Image
 
-    path = _existing(source, READABLE) if isinstance(source, Path) else "a picture in the file"
+    # A material's picture may be of any kind that Pillow knows.
+    path = _there(source, READABLE) if isinstance(source, Path) else "a picture in the file"
 
     try:
         with warnings.catch_warnings():

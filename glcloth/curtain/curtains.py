@@ -110,9 +110,10 @@ class Curtains:
         In strong wind all together, as they push each other.
         """
         meets = self.backdrop is not None and any(one.strong for one in self.pieces)
+        wanted = None if meets else self.backdrop
         for one in self._of(FRONT):
-            if meets == (one.cloth.backdrop is not None):
-                one.cloth.hang_before(None if meets else self.backdrop)
+            if one.cloth.backdrop is not wanted:
+                one.cloth.hang_before(wanted)
         if meets:
             yield from self._together(dt)
             return

@@ -140,12 +140,15 @@ class AdaptiveRate:
     ) -> Iterator[None]:
         """Shade coarse pixels that show threads as cloth from afar, and keep the tangents' terms: every fourth of every
         fourth row, then every second of every second beside blocks between those that are not smooth."""
-        if self._terms is None or self._terms.layers != shown.layers:
+        if self._terms is None or self._terms.layers < shown.layers:
             if self._terms is not None:
                 self._terms.release()
-            # With what it holds no weight of 0 makes a value that is no number.
-            size = self._coarse.width, self._wide_row + self._wide.height, shown.layers
-            self._terms = self.ctx.texture_array(size, 4, bytes(8 * size[0] * size[1] * size[2]), dtype="f2")
+            size = max(self._coarse.width, self._wide.width), self._wide_row + self._wide.height
+            self._terms = self.ctx.texture_array((*size, shown.layers), 4, dtype="f2")
+            # With 0 no weight of 0 makes a value that is no number. A layer at a time: together they may take gigabytes.
+            nothing = bytes(8 * size[0] * size[1])
+            for layer in range(shown.layers):
+                self._terms.write(nothing, (0, 0, layer, *size, 1))
             self._terms.filter = moderngl.LINEAR, moderngl.LINEAR
             self._terms.repeat_x = self._terms.repeat_y = False
         self._cover(buffer, shown.near, 4)

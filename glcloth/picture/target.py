@@ -22,7 +22,7 @@ MOST_LAYERS = 4  # of cloth that are seen through
 KEPT_SIZES = 3  # pictures that stay when the size changes, so that a window can change between two
 
 # The near distance over the far one, at least: a ground that ends in kilometres leaves 7 mm before the eye, in steps of depth
-# (24 bits) of a tenth of a millimetre at a metre and all but the last fifth of the way to the horizon told from no surface.
+# (24 bits) of a hundredth of a millimetre at a metre, and all but the last fifth of the way to the horizon told from no surface.
 NEAREST_OF_FAR = 5e-7
 
 

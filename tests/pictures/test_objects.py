@@ -171,9 +171,11 @@ def test_matt_objects_have_the_bits_they_had(renderer):
     assert 0.3 < same.mean() < 0.7
 
 
-def test_an_obj_and_its_picture_make_an_object(tmp_path):
-    Image.fromarray(np.full((4, 4, 3), (255, 0, 0), np.uint8)).save(tmp_path / "red.png")
-    (tmp_path / "a.mtl").write_text("newmtl m\nKd 0.5 1 1\nPr 0.4\nPm 0.25\nmap_Kd red.png\nnewmtl n\nKd 0.1 0.2 0.3\n")
+@pytest.mark.parametrize("name", ["red.png", "red.bmp"])
+def test_an_obj_and_its_picture_make_an_object(tmp_path, name):
+    Image.fromarray(np.full((4, 4, 3), (255, 0, 0), np.uint8)).save(tmp_path / name)
+    look = "newmtl m\nKd 0.5 1 1\nPr 0.4\nPm 0.25\nmap_Kd {}\nnewmtl n\nKd 0.1 0.2 0.3\n"
+    (tmp_path / "a.mtl").write_text(look.format(name))
     (tmp_path / "a.obj").write_text(
         "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
         "usemtl n\nf 1/1 2/2 3/3\nusemtl m\nf 2/1 4/2 3/3\n"

@@ -242,6 +242,11 @@ def test_noise_is_found_from_whole_blocks():
     sums = PathSums(45, light, (blocks**2).sum(-1), Y[..., 40:].sum(-1), light, light, Y[..., 0])
     np.testing.assert_allclose(sums.standard_error, blocks.std(-1, ddof=1) / np.sqrt(8 * 45), rtol=1e-6)
     assert np.isinf(replace(sums, samples=15).standard_error).all()
+    # Of two blocks, as when the noise is first looked at, the deviation alone would be 20 % too small in the mean.
+    two = rng.normal(8.0, 1.0, (200, 200, 2))
+    light = np.repeat(two.sum(-1)[..., None], 3, -1)
+    few = PathSums(16, light, (two**2).sum(-1), 0.0 * two[..., 0], light, light, two[..., 0])
+    assert few.noise == pytest.approx(100 / 8 / np.sqrt(2), rel=0.02)
 
 
 def test_it_stops_at_the_noise_that_is_asked_for(renderer):
