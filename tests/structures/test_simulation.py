@@ -312,17 +312,22 @@ def test_cloths_that_meet_push_each_other(ctx, make):
     """Each push is that of all pairs of vertices by brute force; a sheet that flies into a heavier one goes on with it, neither
     goes through, and the motion of both together stays; two runs are equal."""
     rng = np.random.default_rng(6)
-    one, other = (make(hanging(6, 7), spacing=(0.02, 0.02), gap=0.02, mass=mass) for mass in (0.1, 0.3))
-    meeting = Meeting(ctx, ([one], [other]), 0.02)
-    x = [rng.uniform(0, 0.07, size=(6, 7, 3)).astype(np.float32) for _ in range(2)]
-    for cloth, here in zip((one, other), x, strict=True):
+    cloths = [make(hanging(6, 7), spacing=(0.02, 0.02), gap=0.02, mass=mass) for mass in (0.1, 0.3, 0.2)]
+    meeting = Meeting(ctx, (cloths[:1], cloths[1:]), 0.02)
+    x = [rng.uniform(0, 0.07, size=(6, 7, 3)).astype(np.float32) for _ in cloths]
+    for cloth, here in zip(cloths, x, strict=True):
         cloth.set_state(here)
         cloth._buffers["Previous"].write(np.zeros((42, 4), np.float32))
     meeting.contacts(0.2)
-    for k, cloths in enumerate(((one, other), (other, one))):
-        here, there = (p.reshape(-1, 3).astype(float) for p in (x[k], x[1 - k]))
-        w = [np.broadcast_to(cloth.inverse_mass.reshape(-1), (42, 42)) for cloth in cloths]
-        pushes = part(here[:, None], there[None], w[0].T, w[1], 0.02, here[:, None] - there[None], 0.2)
+    places, w = [p.reshape(-1, 3).astype(float) for p in x], [cloth.inverse_mass.reshape(-1) for cloth in cloths]
+    for k, others in enumerate(([1, 2], [0], [0])):
+        here, there = places[k], np.concatenate([places[n] for n in others])
+        w_there = np.concatenate([w[n] for n in others])
+        shape = 42, len(there)
+        pushes = part(
+            here[:, None], there[None], np.broadcast_to(w[k][:, None], shape), np.broadcast_to(w_there, shape), 0.02,
+            here[:, None] - there[None], 0.2,
+        )  # fmt: skip
         met = np.frombuffer(meeting._met[k].read(), np.float32).reshape(42, 4)
         near = np.linalg.norm(here[:, None] - there[None], axis=-1) < 0.02
         assert near.sum() > 40 and met[:, 3].tolist() == near.sum(1).tolist()
