@@ -9,7 +9,8 @@ run. Within its line an invocation goes from end to end, which carries a pull do
 needs one load and one store per vertex. Stretch and shear are springs (N/m) along the yarns and the diagonals; bending
 is the quadratic energy of isometric bending along both yarns (N m). Self-contact keeps the vertices `gap` apart; with
 spacing <= gap <= 2 spacing no layer passes through another. The lists of near vertices come from a spatial hash whose
-buckets are sorted, so that they do not depend on the order of atomic operations either; or from the vertex's own row.
+buckets are sorted, so that they do not depend on the order of atomic operations either; or from the vertex's own row, and so
+many above and below.
 """
 
 from __future__ import annotations
@@ -96,7 +97,7 @@ class ClothParameters:
                 raise InputError(f"cloth: {name} = {getattr(self, name)}, must be >= 0; change it")
         if min(self.drag) < 0:
             raise InputError(f"cloth: drag = {self.drag}, must be >= 0; change it")
-        # Between rows nothing is looked at when contact_columns is set: then only the spacing in a row matters.
+        # Where contact_columns is set rows meet rows only for `contact_rows`: the spacing in a row alone matters.
         widest, narrowest = (self.spacing[0],) * 2 if self.contact_columns else (max(self.spacing), min(self.spacing))
         least, most = widest, 2 * narrowest
         if self.apart >= self.gap:
@@ -107,8 +108,9 @@ class ClothParameters:
                 f"cloth: gap = {self.gap} m, must be 0 or between the spacing and twice the spacing {self.spacing}; "
                 "change it or the number of vertices"
             )
-        if self.contact_columns < 0:
-            raise InputError(f"cloth: contact_columns = {self.contact_columns}, must be >= 0; change it")
+        for name in ("contact_columns", "contact_rows"):
+            if getattr(self, name) < 0:
+                raise InputError(f"cloth: {name} = {getattr(self, name)}, must be >= 0; change it")
         for name in ("substeps", "air_substeps"):
             if getattr(self, name) < 1:
                 raise InputError(f"cloth: {name} = {getattr(self, name)}, must be 1 or more; change it")
