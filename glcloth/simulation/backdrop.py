@@ -1,7 +1,7 @@
 """A cloth that others may not pass: what hangs behind a curtain keeps it out, and pushes it where the wind blows.
 
-One way: what hangs behind moves as if nothing were before it; in strong wind both push each other instead (meeting.py). Over cells
-of a plane it is known how far forward it hangs; a step of what hangs before goes from where it hung to where it hangs now.
+One way: what hangs behind moves as if nothing were before it; in strong wind both push each other instead (meeting.py). Over
+cells of a plane it is known how far forward it hangs; a step of what hangs before goes from where it hung to where it hangs now.
 """
 
 from __future__ import annotations
