@@ -206,7 +206,7 @@ def packed(values: np.ndarray, groups: int, lanes: int) -> np.ndarray:
 
 def even_shares(fabric: Fabric, groups: int, lanes: int) -> dict[str, np.ndarray]:
     """What inputs/methods/even.glsl reads: shares of the tangents of warp and of weft in what cloth reflects of even light."""
-    shares = fabric.weights[:, 1] / fabric.weights[:, 1].sum()
+    shares = fabric.weights[:, 0] / fabric.weights[:, 0].sum()
     of_weft = np.array([tangent.yarn == 1 for tangent in fabric.tangents])
     return {
         "even_warp": packed(np.where(of_weft, 0.0, shares), groups, lanes),

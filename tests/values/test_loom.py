@@ -9,7 +9,7 @@ from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh_files import load_mesh
-from glcloth.methods.weave_maps import fabric_maps
+from glcloth.methods.weave_maps import even_shares, fabric_maps
 from glcloth.picture import sheet
 from glcloth.picture.frame import Cloth, Frame
 from glcloth.picture.warm_up import WARM_UP, warm_up
@@ -160,3 +160,12 @@ def test_the_sheet_of_fabrics_goes_from_plain_and_fine_to_pile():
     assert ordered == ["poplin", "canvas", "denim_raw", "charmeuse", "velvet"]
     label = sheet._label("denim_raw", load_fabric("denim_raw"))
     assert label.shape == (sheet.LABEL, sheet.FAR[0] + sheet.NEAR[0], 3) and label.max() > 0.5 > label[-1].max()
+
+
+@pytest.mark.parametrize("normalization", ["sadeghi", "paper"])
+def test_a_yarn_reflects_even_light_as_its_area_says(normalization):
+    """The normaliser, which knows no area after the paper, is that of both yarns."""
+    fabric = load_fabric("denim_raw").changed(normalization=normalization)
+    warp, weft = (even_shares(fabric, 4, 4)[f"even_{yarn}"].sum() for yarn in ("warp", "weft"))
+    sums = [yarn.area * (len(yarn.tilts_deg) if normalization == "paper" else 1) for yarn in fabric.yarn]
+    assert warp + weft == pytest.approx(1.0) and warp / weft == pytest.approx(sums[0] / sums[1], rel=1e-5)
