@@ -37,7 +37,9 @@ ShadowMode = Literal["off", "sun", "full"]
 Vec3 = tuple[float, float, float]
 Share = Annotated[float, Field(ge=0, le=1)]
 # Defaults of a curtain's scene: it is traced in a room, before a sky.
-CURTAIN = {"fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (640, 640), "method": "trace"}
+CURTAIN = {
+    "fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (640, 640), "method": "trace", "exposure": 1.5
+}  # fmt: skip
 option = partial(about, option=True)
 cloth, curtain = partial(option, of="cloth"), partial(option, of="curtain")
 direct, paper, reference, path = (partial(option, of=method) for method in ("direct", "paper", "reference", "path"))
@@ -406,7 +408,7 @@ class Scene(Value):
     room: str = curtain("", "OBJ file of the room; none: built in", default="", file=True)
     gi: Literal["off", "radiosity", "photons"] = curtain(
         "", "light around the room: radiosity, of the sky, the curtain and all bounces; photons: the same by photon mapping, for "
-        "stills; off: even light", default="off")
+        "stills; off: even light", default="radiosity")
     photons: int = curtain(
         "", "photons that begin for each sample of the pixels (gi photons)", default=400_000, ge=1000, le=2_000_000)
     photon_neighbours: int = curtain(
@@ -423,7 +425,8 @@ class Scene(Value):
     lamp_intensity: Vec3 = curtain(
         "W/sr", "of the lamp, red green blue", default=(190.0, 176.0, 150.0), slider=(0.0, 1000.0), option=False)
     ambient: Vec3 = curtain(
-        "", "even light in the room, red green blue", default=(0.3, 0.3, 0.31), slider=(0.0, 2.0), option=False)
+        "", "even light in the room, red green blue; a scene that says it and no gi has gi off", default=(0.3, 0.3, 0.31),
+        slider=(0.0, 2.0), option=False)
     rate: int = curtain("1/s", "frames per second", default=24, ge=1, le=240, option=False)
     frame: int = curtain("", "frame of the moving curtain", default=48, ge=0, le=100_000, option=False)
     camera: View = about("", "the camera, a table", default_factory=View)
@@ -443,7 +446,10 @@ class Scene(Value):
                 raise ValueError(f"{name}: belongs to the curtain; give its scene: glcloth render curtain")
             if curtain and kind_of(name) == "cloth":
                 raise ValueError(f"{name}: belongs to {KINDS['cloth']}, and this is the curtain; leave it out")
-        return {**CURTAIN, **data} if curtain else data
+        if not curtain:
+            return data
+        even = {"gi": "off"} if "ambient" in data else {}  # who says how bright even light is, wants it
+        return {**CURTAIN, **even, **data}
 
     @model_validator(mode="after")
     def _in_its_way(self):
@@ -607,6 +613,8 @@ class Scene(Value):
         if self.curtain is not None:  # by this table a file is known
             table = self.curtain.model_dump(mode="json")
             out["curtain"] = {name: v for name, v in table.items() if v != before["curtain"].get(name)}
+            if "ambient" in out:
+                out["gi"] = self.gi
         return out
 
 

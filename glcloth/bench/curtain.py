@@ -22,7 +22,7 @@ def bench_curtain(
 ) -> dict:
     """Measure animated frames: simulation, build by stage, trace by level; medians in ms, wall and CPU time of the process.
 
-    scene : default: the built-in one at 320 x 320, depth 4
+    scene : default: the built-in one at 320 x 320, depth 4, in even light
     triangles : about how many, default 12,786
 
     Returns sim_ms, build_ms, trace_ms, frame_ms, fps, cpu_ms (of all threads), triangles, rays (and per level), nodes, depth,
@@ -30,7 +30,7 @@ def bench_curtain(
     """
     if frames < 1:
         raise InputError(f"--frames {frames}: expected at least 1")
-    scene = scene or Scene(size=(320, 320), curtain=CurtainParameters())
+    scene = scene or Scene(size=(320, 320), gi="off", curtain=CurtainParameters())
     with CurtainShow(ctx, scene, triangles) as show:
         show.picture()  # compiles
         show.advance()

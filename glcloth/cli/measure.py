@@ -192,9 +192,10 @@ def bench_curtain(
     cpu_threads: CpuThreads = None,
     json: Json = False,
 ) -> None:
-    """Simulation, build and trace of the moving curtain, 320x320 unless --size says otherwise."""
+    """Simulation, build and trace of the moving curtain, 320x320 and even light unless --size and --gi say otherwise."""
     size = "320x320" if options is None or options.size is None else options.size
-    scene = scene_of("curtain", options, size=size)
+    gi = "off" if options is None or options.gi is None else options.gi
+    scene = scene_of("curtain", options, size=size, gi=gi)
 
     from ..bench.curtain import bench_curtain as measure
     from ..gpu.context import create_context

@@ -17,7 +17,7 @@ from glcloth.scene import CurtainParameters, Scene, View, load_scene
 from glcloth.window.sharing import as_command, as_python
 
 SMALL = CurtainParameters(quads=(48, 12), pleats=4, settle=0.2)
-SCENE = Scene(curtain=SMALL, size=(48, 40), frame=2)
+SCENE = Scene(curtain=SMALL, size=(48, 40), frame=2, gi="off")
 
 
 def run(*arguments):

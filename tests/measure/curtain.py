@@ -75,7 +75,7 @@ def compare(ctx, queries, triangles, view, where):
 def hits(ctx):
     queries = RayQueries(ctx)
     common.head("scene", "structure", "triangles", "in leaves", "rays", "share hit", "other t", "other triangle")
-    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), size=(320, 320))) as show:
+    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), gi="off", size=(320, 320))) as show:
         for frame in (0, 60):
             show.advance(frame - show.frame)
             compare(ctx, queries, show.triangles, camera_of(show.scene), f"frame {frame}")
@@ -104,7 +104,7 @@ def cost(ctx):
         ("fullness 2.6", base.changed(fullness=2.6), (0, 48)),
         ("wind 1 m/s", base.changed(wind=1.0), (48, 100)),
     ):
-        with CurtainShow(ctx, Scene(curtain=curtain)) as show:
+        with CurtainShow(ctx, Scene(curtain=curtain, gi="off")) as show:
             for frame in frames:
                 show.advance(frame - show.frame)
                 cost_of(ctx, show, name)
@@ -139,7 +139,7 @@ def growth(ctx, only=""):
         for name in ("kdtree", "lbvh", "brute"):
             if (name == "brute" and count > 12_786) or only not in ("", str(count)):
                 continue
-            scene = Scene(curtain=CurtainParameters(), size=(320, 320), accelerator=name)
+            scene = Scene(curtain=CurtainParameters(), gi="off", size=(320, 320), accelerator=name)
             r = bench_curtain(ctx, scene, frames if name != "brute" else 1, count)
             common.row(name, *(str(r.get(key, "")) for key in RESULTS))
 
@@ -261,7 +261,7 @@ def series(ctx, path):
         [{"tau": (v, v, v)} for v in (0.0, 0.3, 0.8, 2.0)],
         [{"rho": r, "k_a": t.k_a} for r in (0.9, 0.7, 0.5, 0.3)],
     ]
-    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), size=(240, 240), spp=2)) as show:
+    with CurtainShow(ctx, Scene(curtain=CurtainParameters(), gi="off", size=(240, 240), spp=2)) as show:
         show.advance(30)
         for row in changes:
             pictures = []

@@ -52,7 +52,7 @@ def medians(ctx, frame, frames):
 
 def curtain(ctx, size, frames):
     """Frames of the moving curtain: simulation, tree and picture, which nobody reads."""
-    with CurtainShow(ctx, Scene(size=size, curtain=CurtainParameters(settle=0.2))) as show:
+    with CurtainShow(ctx, Scene(size=size, gi="off", curtain=CurtainParameters(settle=0.2))) as show:
 
         def frame():
             show.advance()

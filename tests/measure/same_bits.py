@@ -32,7 +32,7 @@ WAYS = {
 }
 SUNNY = {"env": "sky", "env_rotate": 105.0}  # has a sun; the studio has none
 LINEN, SILK = {"fabric": "linen"}, {"fabric": "silk_crepe_de_chine"}
-CURTAIN = ["render", "curtain", "--frame", "3"]
+CURTAIN = ["render", "curtain", "--frame", "3", "--gi", "off", "--exposure", "0"]
 POSES = 3
 
 
@@ -78,7 +78,7 @@ def commands(folder):
     yield "curtain layers", [*CURTAIN, "--layers"]
     for accelerator in ("kdtree", "lbvh"):
         yield f"curtain tree {accelerator}", [*CURTAIN, "--show-tree", "leaves", "--accelerator", accelerator]
-    yield "animate curtain", ["animate", "curtain", "--frames", "3"]
+    yield "animate curtain", ["animate", "curtain", "--frames", "3", "--gi", "off", "--exposure", "0"]
     poses = str(folder / "pose%04d.obj")
     yield "animate poses", ["animate", "drape", "--mesh", poses, "--frames", str(POSES)]
     yield "animate wind", ["animate", "drape", "--wind", "3", "--frames", "3"]

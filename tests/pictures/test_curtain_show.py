@@ -12,7 +12,7 @@ from glcloth.picture import curtain_layers
 from glcloth.picture.layers import LIGHT
 from glcloth.scene import CurtainParameters, Scene
 
-SMALL = Scene(size=(48, 48), curtain=CurtainParameters(quads=(48, 12), pleats=4, settle=0.2))
+SMALL = Scene(size=(48, 48), gi="off", curtain=CurtainParameters(quads=(48, 12), pleats=4, settle=0.2))
 
 
 def test_frames_can_be_resumed(ctx):

@@ -16,6 +16,7 @@ from glcloth.curtain.room import Room, box, inside_out
 from glcloth.curtain.show import CurtainShow
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
+from glcloth.gpu.tally import counting
 from glcloth.light.environment import Environment
 from glcloth.scene import CurtainParameters, Scene
 from glcloth.twins.form_factor import quad_factor
@@ -327,6 +328,23 @@ def test_every_structure_finds_the_same_light(as_it_was):
     for accelerator in ("lbvh", "brute"):
         show.scene = SMALL.changed(accelerator=accelerator)
         np.testing.assert_array_equal(show.picture(), reference)
+
+
+def test_a_frame_looks_at_its_tree_once_more(ctx, as_it_was):
+    """It must be whole for the light around the room to be found through it; all else of that light stays on the GPU.
+    (In even light: tests/structures/test_counts.py.)"""
+    show = as_it_was
+    show.picture()
+    show.moved()
+    with counting(ctx) as window:
+        show.build()
+        list(show.tracer.steps(show.lit(show.shot())))
+    assert window.reads == 1 and window.read_bytes < 1024
+    show.moved()
+    with counting(ctx) as picture:
+        show.picture()
+    width, height = SMALL.size
+    assert picture.reads == 2 and picture.read_bytes < 16 * width * height + 3072
 
 
 def test_no_frame_remembers_another(ctx, as_it_was):

@@ -97,7 +97,7 @@ def test_a_second_curtain_by_every_way_that_light_takes(renderer, tmp_path):
     small = {"quads": (48, 12), "pleats": 4, "settle": 0.05, "behind": "linen_curtain"}
     small |= {"width": 1.9, "top": 1.9, "drop": 1.8}
     scene = Scene(
-        curtain=small, size=(20, 20), frame=0, fabric="sheer_voile", photons=20_000, photon_neighbours=100,
+        gi="off", curtain=small, size=(20, 20), frame=0, fabric="sheer_voile", photons=20_000, photon_neighbours=100,
         room=str(tmp_path / "box.obj"), camera={"eye": (0.3, 1.0, 1.9), "target": (0.0, 1.0, 0.0), "fov_deg": 80.0},
     )  # fmt: skip
     by_photons = luminance(np.asarray(renderer.render(scene.changed(gi="photons")), float))

@@ -32,7 +32,10 @@ SMALL_GROUPS = {"passes/accel/kdtree_masks.comp": "one a small node, whose refer
 
 @pytest.fixture(scope="module")
 def curtain(session_ctx):
-    with session_ctx, CurtainShow(session_ctx, Scene(size=SIZE, curtain=CurtainParameters(settle=0.05))) as show:
+    with (
+        session_ctx,
+        CurtainShow(session_ctx, Scene(size=SIZE, gi="off", curtain=CurtainParameters(settle=0.05))) as show,
+    ):
         assert show.triangles.count == 12_786
         show.picture()
         yield show

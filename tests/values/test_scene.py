@@ -76,6 +76,16 @@ def test_a_curtain_begins_with_its_own():
     assert "mesh" not in CURTAIN.model_dump() and "depth" not in Scene().model_dump()
 
 
+def test_who_says_how_bright_even_light_is_wants_it(tmp_path):
+    scene = Scene(curtain={})
+    assert scene.gi == "radiosity" and scene.changed(ambient=(1, 1, 1)).gi == "off"
+    both = scene.changed(gi="radiosity", ambient=(1, 1, 1))
+    save_scene(tmp_path / "both.toml", both)
+    assert both.gi == load_scene(tmp_path / "both.toml").gi == Scene.parse(both.differences()).gi == "radiosity"
+    # Scenes of cloth have no such light.
+    assert not {"gi", "ambient"} & Scene().model_dump().keys()
+
+
 def test_a_file_holds_a_frame_only_where_the_scene_says_one(tmp_path):
     for scene, said in ((load_scene("curtain"), False), (CURTAIN, True)):
         save_scene(tmp_path / "a.toml", scene)

@@ -279,7 +279,7 @@ def seen(app, number):
 def traced_as(show, scene):
     """The picture of a curtain as it hangs, with the fabric and the rays of another scene."""
     show.build()
-    return show.tracer.trace(show.shot(scene))
+    return show.tracer.trace(show.lit(show.shot(scene), scene))
 
 
 def curtain(folder):
