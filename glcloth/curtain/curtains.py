@@ -78,11 +78,11 @@ class Curtains:
         try:
             for panel in self.panels:
                 self.pieces.append(CurtainSimulation(ctx, panel.parameters, False, panel.shift))
-            if behind := self._of(BEHIND):
+            if behind := self.pieces_of(BEHIND):
                 x, low = m.width / 2, m.upper - m.drop
                 cell = max(max(one.cloth.parameters.spacing) for one in behind)
                 self.backdrop = Backdrop(ctx, [one.cloth for one in behind], cell, (-x, low - 0.2), (x, m.upper + 0.2))
-                for one in self._of(FRONT):
+                for one in self.pieces_of(FRONT):
                     one.cloth.hang_before(self.backdrop)
             self._push()
             for _ in self.settling() if settle else ():
@@ -91,14 +91,15 @@ class Curtains:
             self.release()
             raise
 
-    def _of(self, curtain: int) -> list[CurtainSimulation]:
+    def pieces_of(self, curtain: int) -> list[CurtainSimulation]:
+        """Those of a curtain, FRONT or BEHIND."""
         return [one for one, panel in zip(self.pieces, self.panels, strict=True) if panel.curtain == curtain]
 
     def settling(self) -> Iterator[float]:
         """As that of a CurtainSimulation: those behind first."""
-        order = self._of(BEHIND) + self._of(FRONT)
+        order = self.pieces_of(BEHIND) + self.pieces_of(FRONT)
         for k, one in enumerate(order):
-            if k == len(self._of(BEHIND)) > 0:
+            if k == len(self.pieces_of(BEHIND)) > 0:
                 self._take()
             for share in one.settling():
                 yield (k + share) / len(order)
@@ -111,24 +112,24 @@ class Curtains:
         """
         meets = self.backdrop is not None and any(one.strong for one in self.pieces)
         wanted = None if meets else self.backdrop
-        for one in self._of(FRONT):
+        for one in self.pieces_of(FRONT):
             if one.cloth.backdrop is not wanted:
                 one.cloth.hang_before(wanted)
         if meets:
             yield from self._together(dt)
             return
-        for one in self._of(BEHIND):
+        for one in self.pieces_of(BEHIND):
             yield from one.steps(dt)
         if self.backdrop is not None:
             self.backdrop.take()
-        for one in self._of(FRONT):
+        for one in self.pieces_of(FRONT):
             yield from one.steps(dt)
 
     def _together(self, dt: float) -> Iterator[None]:
         """Advance all, substep by substep, with contact between those before and those behind."""
         if self.meeting is None:
             gap = max(CLOSED * math.hypot(*one.cloth.parameters.spacing) / 2 for one in self.pieces)
-            sides = [one.cloth for one in self._of(FRONT)], [one.cloth for one in self._of(BEHIND)]
+            sides = [one.cloth for one in self.pieces_of(FRONT)], [one.cloth for one in self.pieces_of(BEHIND)]
             self.meeting = Meeting(self.pieces[0].cloth.ctx, sides, gap)
         substeps = max(one.substeps(dt) for one in self.pieces)
         for one in self.pieces:
@@ -146,8 +147,8 @@ class Curtains:
 
     def _push(self) -> None:
         """Those before move with those behind, and need as many substeps."""
-        wind = max((gusts(one.parameters) for one in self._of(BEHIND)), default=0.0)
-        for one in self._of(FRONT):
+        wind = max((gusts(one.parameters) for one in self.pieces_of(BEHIND)), default=0.0)
+        for one in self.pieces_of(FRONT):
             one.pushed = wind
 
     def step(self, dt: float) -> None:
@@ -215,9 +216,9 @@ class Curtains:
     def meshes(self) -> list[Mesh]:
         """The present shape of each curtain."""
         return [
-            joined([one.mesh() for one in self._of(number)], name)
+            joined([one.mesh() for one in self.pieces_of(number)], name)
             for number, name in ((FRONT, "curtain"), (BEHIND, "curtain behind"))
-            if self._of(number)
+            if self.pieces_of(number)
         ]
 
     def mesh(self) -> Mesh:

@@ -29,7 +29,7 @@ from ..tracing.path import PathSums, followed, samples_of
 from ..tracing.shot import MOST_SPP, HangingGrid, Shot, TraceSettings
 from ..tracing.tracer import Tracer
 from ..tracing.tree_view import TreeContent, draw_tree
-from .curtains import BEHIND, Curtains
+from .curtains import BEHIND, FRONT, Curtains
 from .form_factors import SLICES, Sheet
 from .hanging import pleated_rail
 from .paths import CurtainPaths
@@ -230,11 +230,15 @@ class CurtainShow:
         )
         settings = TraceSettings(s.depth, min(s.spp, MOST_SPP), s.spread, s.cutoff, s.accelerator)
         lighting = Lighting(self._lamp(s), s.ambient)
-        others = ()
+        others, grids = (), ()
         if behind is not None and self.simulation.has_behind:
-            others = ((len(self.room.positions) + self.simulation.first_of(BEHIND), behind),)
+            others, grids = (
+                ((len(self.room.positions) + self.simulation.first_of(BEHIND), behind),),
+                (self._grid(BEHIND),),
+            )
         return Shot(
-            camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate, grid=self._grid(), others=others
+            camera_of(s), s.size, fabric, lighting, self.environment, settings, s.env_rotate, grid=self._grid(FRONT),
+            others=others, other_grids=grids,
         )  # fmt: skip
 
     def _lamp(self, scene: Scene) -> Lamp:
@@ -250,13 +254,14 @@ class CurtainShow:
         radius = np.broadcast_to(turned.radius, len(turned))[brightest]
         return Lamp.of_sun(turned.direction[brightest], turned.irradiance[brightest], float(radius))
 
-    def _grid(self) -> HangingGrid:
-        """How the curtain lies on its weave, and about where it hangs."""
+    def _grid(self, curtain: int) -> HangingGrid:
+        """How a curtain lies on its weave, and about where it hangs."""
         m, s = self.simulation.parameters, self.simulation
-        spacing = s.cloth.parameters.spacing
+        pieces = s.pieces_of(curtain)
+        spacing = pieces[0].cloth.parameters.spacing
         low, high = (-0.6 * m.width, m.top - m.drop, -0.5), (0.6 * m.width, m.top, 0.5)
-        pieces = s.first_of(BEHIND) // s.triangle_counts[0] if s.has_behind else len(s.pieces)
-        return HangingGrid(len(self.room.positions), s.columns - 1, spacing, low, high, s.triangle_counts[0], pieces)
+        first, across = len(self.room.positions) + s.first_of(curtain), pieces[0].columns - 1
+        return HangingGrid(first, across, spacing, low, high, 2 * (pieces[0].rows - 1) * across, len(pieces))
 
     def picture(self, parted: bool = False) -> np.ndarray:
         """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first.

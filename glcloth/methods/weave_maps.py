@@ -59,17 +59,11 @@ class WeaveMaps:
         assert fabric.weave is not None
         self._release_maps()
         maps = fabric_maps(fabric)
-        layers = np.zeros((2, groups, 4, *maps.hole.shape), np.float32)
-        side = fabric.weave.roll * maps.roll / np.where(maps.share > 0.0, maps.share, 1.0)
-        for t, (tangent, rel) in enumerate(zip(fabric.tangents, maps.rel, strict=True)):
-            layers[0, t // lanes, t % lanes] = rel
-            layers[1, t // lanes, t % lanes] = rel * side[tangent.yarn]
         holes = np.zeros((1, 4, *maps.hole.shape), np.float32)
         holes[0, 0] = maps.hole
-        layers = np.concatenate([layers.reshape(-1, *layers.shape[2:]), holes])
-        colored = fabric.weave.color_map(maps)
-        colors, size = (np.zeros((2, 1, 1, 4)), (1.0, 1.0)) if colored is None else colored
-        self._textures = [self._array(layers), self._array(np.moveaxis(colors, -1, 1))]
+        layers = np.concatenate([thread_layers(fabric, maps, groups, lanes), holes])
+        colors, size, colored = color_layers(fabric, maps)
+        self._textures = [texture_array(self.ctx, layers), texture_array(self.ctx, colors)]
         read = {"weave_map": self._textures[0]}
         if fabric.weave.relief:
             unit = float(relief_heights(maps, 1.0)[0])
@@ -80,7 +74,7 @@ class WeaveMaps:
             "weave_map": self._textures[0],
             "hole_mean": float(maps.hole.mean()),
             "color_map": self._textures[1],
-            "colored": colored is not None,
+            "colored": colored,
             "weave_repeats": repeats,
             **self._side_view(fabric, maps, layers, groups, {**read, "weave_repeats": repeats}),
             "color_repeats": (1.0 / size[0], 1.0 / size[1]),
@@ -135,24 +129,8 @@ class WeaveMaps:
         self._relief_table = table
         return table
 
-    def _array(self, layers: np.ndarray) -> moderngl.TextureArray:
-        """A texture array of half floats of layers [N, 4, H, W]; its levels are made here, for drivers round them down."""
-        count, _, height, width = layers.shape
-        texture = self.ctx.texture_array((width, height, count), 4, dtype="f2")
-        texture.build_mipmaps()  # makes room
-        texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
-        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, texture.glo)
-        for level, means in enumerate(mip_levels(layers)):
-            data = np.ascontiguousarray(np.moveaxis(means, 1, -1), "f2")
-            size = (data.shape[2], data.shape[1], count)
-            GL.glTexSubImage3D(
-                GL.GL_TEXTURE_2D_ARRAY, level, 0, 0, 0, *size, GL.GL_RGBA, GL.GL_HALF_FLOAT, data.tobytes()
-            )
-        GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, 0)
-        return texture
-
     def _heights(self, heights: np.ndarray) -> moderngl.Texture:
-        """A texture of single floats [H, W] with its levels; `_array` says why they are made here."""
+        """A texture of single floats [H, W] with its levels; `texture_array` says why they are made here."""
         height, width = heights.shape
         texture = self.ctx.texture((width, height), 1, dtype="f4")
         texture.build_mipmaps()  # makes room
@@ -184,6 +162,44 @@ def _noise(ctx: moderngl.Context) -> moderngl.Texture:
     noise.build_mipmaps()
     noise.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
     return noise
+
+
+def texture_array(ctx: moderngl.Context, layers: np.ndarray, kind: str = "f2") -> moderngl.TextureArray:
+    """A texture array of layers [N, 1 or 4, H, W]; its levels are made here, for drivers round half floats down.
+
+    kind : "f2", half floats, or "f4", single floats
+    """
+    count, components, height, width = layers.shape
+    texture = ctx.texture_array((width, height, count), components, dtype=kind)
+    texture.build_mipmaps()  # makes room
+    texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+    of_texel, of_value = GL.GL_RGBA if components == 4 else GL.GL_RED, GL.GL_HALF_FLOAT if kind == "f2" else GL.GL_FLOAT
+    GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, texture.glo)
+    for level, means in enumerate(mip_levels(layers)):
+        data = np.ascontiguousarray(np.moveaxis(means, 1, -1), kind)
+        size = (data.shape[2], data.shape[1], count)
+        GL.glTexSubImage3D(GL.GL_TEXTURE_2D_ARRAY, level, 0, 0, 0, *size, of_texel, of_value, data.tobytes())
+    GL.glBindTexture(GL.GL_TEXTURE_2D_ARRAY, 0)
+    return texture
+
+
+def thread_layers(fabric: Fabric, maps: Maps, groups: int, lanes: int) -> np.ndarray:
+    """`groups` layers of rel, then of turn, [2 groups, 4, H, W], of tangents packed by so many to a vec4."""
+    assert fabric.weave is not None
+    layers = np.zeros((2, groups, 4, *maps.hole.shape), np.float32)
+    side = fabric.weave.roll * maps.roll / np.where(maps.share > 0.0, maps.share, 1.0)
+    for t, (tangent, rel) in enumerate(zip(fabric.tangents, maps.rel, strict=True)):
+        layers[0, t // lanes, t % lanes] = rel
+        layers[1, t // lanes, t % lanes] = rel * side[tangent.yarn]
+    return layers.reshape(-1, *layers.shape[2:])
+
+
+def color_layers(fabric: Fabric, maps: Maps) -> tuple[np.ndarray, tuple[float, float], bool]:
+    """The colours of warp and of weft [2, 4, H, W], the size of their map in metres, and whether threads have some."""
+    assert fabric.weave is not None
+    colored = fabric.weave.color_map(maps)
+    colors, size = (np.zeros((2, 1, 1, 4)), (1.0, 1.0)) if colored is None else colored
+    return np.moveaxis(colors, -1, 1), size, colored is not None
 
 
 def fabric_maps(fabric: Fabric) -> Maps:

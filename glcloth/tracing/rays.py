@@ -71,8 +71,8 @@ class Picture:
 
     @property
     def threads(self) -> dict[str, Any]:
-        """The defines of passes that know where it has its threads, too: where all cloth is of one fabric."""
-        if "hole_map" not in self.inputs or fabric_defines(self.inputs):
+        """The defines of passes that know where it has its threads, too."""
+        if "hole_map" not in self.inputs:
             return self.holes
         woven = {"WEAVE": 1, "GROUPS": self.inputs.get("tangent_groups"), "LANE_COUNT": LANES}
         return {**self.holes, **woven}

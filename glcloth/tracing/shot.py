@@ -69,6 +69,7 @@ class Shot:
     renewed : finds such inputs anew for each sample of the pixels, in steps, the last of which brings them.
     grid : of the cloth; with it the holes of a fabric's weave are seen, and the light that falls through them.
     others : more fabrics, each that of the cloth from a triangle on, in their order; `fabric` is that of the cloth before.
+    other_grids : of the cloth of each of these, as `grid`; missing: it shows no threads and no holes.
     parted : keep the kinds of light of the pixels apart, for `Tracer.parts`.
     """
 
@@ -85,6 +86,7 @@ class Shot:
     renewed: Callable[[int], Iterator[Mapping[str, Any]]] | None = None
     grid: HangingGrid | None = None
     others: tuple[tuple[int, Fabric], ...] = ()
+    other_grids: tuple[HangingGrid, ...] = ()
     parted: bool = False
 
     def __post_init__(self) -> None:
@@ -103,6 +105,12 @@ class Shot:
     def fabrics(self) -> tuple[Fabric, ...]:
         """All of them, in the order of their triangles."""
         return self.fabric, *(fabric for _, fabric in self.others)
+
+    @property
+    def grids(self) -> tuple[HangingGrid | None, ...]:
+        """Of the cloth of each of them; None: where it lies on its weave is not known."""
+        missing = len(self.others) - len(self.other_grids)
+        return self.grid, *self.other_grids, *[None] * missing
 
     @property
     def samples(self) -> Sequence[tuple[float, float]]:

@@ -16,7 +16,8 @@ from ..fabric import Fabric
 from ..gpu.memo import Last
 from ..methods.weave_maps import WeaveMaps, fabric_maps, far_footprint, packed
 from ..weave.maps import mip_levels
-from .shot import Shot
+from .shot import HangingGrid, Shot
+from .threads_of_several import ThreadsOfSeveral
 
 LANES = 4  # tangents in a vec4, in their order
 INCLUDE = {"inputs/methods/threads.glsl": "inputs/tracing/threads.glsl"}
@@ -30,27 +31,31 @@ class Threads:
         self._made: Last[dict[str, Any]] = Last()
         self._texture: moderngl.Texture | None = None
         self._maps: WeaveMaps | None = None
+        self._several: ThreadsOfSeveral | None = None
 
     def inputs(self, shot: Shot) -> dict[str, Any]:
         """What those files read; nothing where no pixel shows a thread, or rays are drawn at random."""
-        fabric, grid, camera = shot.fabric, shot.grid, shot.camera
-        if grid is None or fabric.weave is None or shot.settings.spread:
+        if shot.settings.spread or not any(
+            shows_threads(shot, fabric, grid) for fabric, grid in zip(shot.fabrics, shot.grids, strict=True)
+        ):
             return {}
-        constant, by_distance = pixel_size(shot)
-        eye = np.asarray(camera.eye)
-        nearest = np.linalg.norm(np.maximum(np.maximum(np.subtract(grid.low, eye), eye - np.array(grid.high)), 0.0))
-        far = far_footprint(fabric)
-        if constant + by_distance * nearest >= far:
-            return {}
+        shared = {
+            "seen_from": tuple(map(float, shot.camera.eye)),
+            "pixel_size": pixel_size(shot),
+            "shines_from": shot.lighting.lamp.position,
+        }
+        if shot.others:
+            self._several = self._several or ThreadsOfSeveral(self.ctx)
+            return {**self._several.inputs(shot.fabrics, shot.grids, LANES), **shared}
+        fabric, grid = shot.fabric, shot.grid
+        assert grid is not None
         return {
             **self._made.get(lambda: self._make(fabric), fabric),
             "hole_grid": (grid.first, grid.quads),
             "hole_pieces": (grid.count or 1 << 30, grid.pieces),
             "quad_size": grid.size,
-            "seen_from": tuple(map(float, camera.eye)),
-            "pixel_size": (constant, by_distance),
-            "shines_from": shot.lighting.lamp.position,
-            "far_footprint": far,
+            **shared,
+            "far_footprint": far_footprint(fabric),
         }
 
     def _make(self, fabric: Fabric) -> dict[str, Any]:
@@ -86,6 +91,19 @@ class Threads:
         if self._maps is not None:
             self._maps.release()
             self._maps = None
+        if self._several is not None:
+            self._several.release()
+            self._several = None
+
+
+def shows_threads(shot: Shot, fabric: Fabric, grid: HangingGrid | None) -> bool:
+    """Whether pixels may be fine enough for the threads of a fabric whose cloth is a grid."""
+    if grid is None or fabric.weave is None:
+        return False
+    constant, by_distance = pixel_size(shot)
+    eye = np.asarray(shot.camera.eye)
+    nearest = np.linalg.norm(np.maximum(np.maximum(np.subtract(grid.low, eye), eye - np.array(grid.high)), 0.0))
+    return bool(constant + by_distance * nearest < far_footprint(fabric))
 
 
 def tangent_groups(fabric: Fabric) -> int:

@@ -56,3 +56,49 @@ def test_holes_and_threads_are_the_far_cloth_in_the_mean(ctx, name, eye, lamp):
     np.testing.assert_allclose(near.mean(), far.mean(), rtol=0.01)
     assert near.std() > 0.05 * near.mean() and far.std() < 0.02 * far.mean()
     assert np.array_equal(*small)  # no pixel is fine enough
+
+
+def test_each_fabric_of_a_scene_shows_its_own_threads_and_holes(ctx):
+    """Four side by side before a wall, with maps of two sizes, colours, fewer tangents, no weave: each as it is alone."""
+    through = load_fabric("lace").transmission
+    linen = load_fabric("linen_curtain")
+    fabrics = [
+        *(load_fabric(name).changed(transmission=through) for name in ("herringbone_tweed", "houndstooth")),
+        load_fabric("blackout"), linen,
+    ]  # fmt: skip
+    side = 12.0 * repeat_of(linen)[0]
+    strips = [quad(side, 0.0) + np.array([(k - 1.5) * side, 0.0, 0.0]) for k in range(4)]
+    grids = [HangingGrid(2 * k, 1, (side, side), (-side,) * 3, (side,) * 3) for k in range(4)]
+    several = Shot(
+        Camera((0.0, 0.0, 0.05), (0.0, 0.0, WALL), ortho=side), (256, 64), fabrics[0],
+        Lighting(Lamp((0.0, 0.0, 1e3), (1e6, 1e6, 1e6)), (0.0, 0.0, 0.0)), settings=TraceSettings(3, accelerator="brute"),
+        grid=grids[0], others=tuple((2 * k, fabrics[k]) for k in (1, 2, 3)), other_grids=tuple(grids[1:]),
+    )  # fmt: skip
+    tracer = Tracer(ctx)
+
+    def trace(shot, *cloth, wall=True):
+        positions = np.concatenate([*cloth, quad(1.0, WALL)])[: None if wall else -2]
+        material = np.minimum(np.arange(len(positions)) // (2 * len(cloth)), 1)
+        return tracer.render(positions, material, np.array([[0.0] * 3, [0.5] * 3]), shot)
+
+    def alone(k, shot=several):
+        x = (k - 1.5) * side
+        camera = Camera((x, 0.0, 0.05), (x, 0.0, WALL), ortho=side)
+        grid = shot.grid and dataclasses.replace(grids[k], first=0)
+        return dataclasses.replace(
+            shot, camera=camera, size=(64, 64), fabric=fabrics[k], grid=grid, others=(), other_grids=()
+        )
+
+    try:
+        together = trace(several, *strips)
+        for k in range(4):
+            got, expected = together[:, 64 * k : 64 * (k + 1)], trace(alone(k), strips[k])
+            # A ray on the line between two strips meets either.
+            np.testing.assert_allclose(got[:, 1:-1], expected[:, 1:-1], rtol=2e-3, atol=1e-4 * expected.mean())
+        lit = Lighting(Lamp((300.0, 500.0, 800.0), (1e6, 1e6, 1e6)), (0.0, 0.0, 0.0))
+        near = trace(dataclasses.replace(several, lighting=lit), *strips, wall=False)[:, 192:, 1]
+        far = trace(alone(3, dataclasses.replace(several, lighting=lit, grid=None)), strips[3], wall=False)[..., 1]
+    finally:
+        tracer.release()
+    np.testing.assert_allclose(near.mean(), far.mean(), rtol=0.01)
+    assert near.std() > 0.05 * near.mean() and far.std() < 0.02 * far.mean()

@@ -15,10 +15,11 @@ vec3 cloth_albedo = vec3(0.0);
 float reflection_limit = 1.0;
 ivec2 tangent_count = ivec2(0);
 float sigma_mask = 1.0, gap = 0.0;
+int fabric_number = 0;
 int fabric_first = 0;  // its texel in fabric_data
 
 void take_fabric(int triangle) {
-    int number = int(triangle >= fabric_from.x) + int(triangle >= fabric_from.y) + int(triangle >= fabric_from.z);
+    int number = fabric_number = int(triangle >= fabric_from.x) + int(triangle >= fabric_from.y) + int(triangle >= fabric_from.z);
     int first = FABRIC_ROWS * number;
     vec4 p = texelFetch(fabric_rows, first), q = texelFetch(fabric_rows, first + 1), r = texelFetch(fabric_rows, first + 2);
     vec4 s = texelFetch(fabric_rows, first + 3), t = texelFetch(fabric_rows, first + 4);
