@@ -41,11 +41,13 @@ class ThreadsOfSeveral:
     def _make(self, fabrics: tuple[Fabric, ...], placed: tuple[bool, ...], lanes: int) -> dict[str, Any]:
         self.release()
         groups_of = [-(-len(fabric.tangents) // lanes) for fabric in fabrics]
-        holes, threads, colors = [], [], []
+        holes: list[np.ndarray] = []
+        threads: list[np.ndarray] = []
+        colors: list[np.ndarray] = []
         hole_of, thread_of, color_of = np.zeros((3, len(fabrics), 4), "f4")
         for k, (fabric, here) in enumerate(zip(fabrics, placed, strict=True)):
             hole_of[k] = 1.0, 1.0, 0.0, NEVER
-            thread_of[k] = 1.0, 1.0, sum(map(len, threads)), 1.0
+            thread_of[k] = 1.0, 1.0, sum(len(run) for run in threads), 1.0
             color_of[k] = 1.0, 1.0, 2 * k, 0.0
             if fabric.weave is None or not here:
                 # As far away: no place is a hole, and all places are alike.
