@@ -49,6 +49,7 @@ _CURTAIN = Scene(
     size=SIZE,
     frame=3,
     curtain=CurtainParameters(quads=(72, 18), pleats=6, settle=0.1, wind=1.0),
+    gi="off",  # even light: what is stored is of the tracer alone
 )
 # What is rendered: a scene, or changes of the default one.
 PICTURES: Mapping[str, dict[str, Any]] = {
