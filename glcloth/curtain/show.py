@@ -261,7 +261,7 @@ class CurtainShow:
         spacing = pieces[0].cloth.parameters.spacing
         low, high = (-0.6 * m.width, m.top - m.drop, -0.5), (0.6 * m.width, m.top, 0.5)
         first, across = len(self.room.positions) + s.first_of(curtain), pieces[0].columns - 1
-        return HangingGrid(first, across, spacing, low, high, 2 * (pieces[0].rows - 1) * across, len(pieces))
+        return HangingGrid(first, across, spacing, low, high, 2 * (pieces[0].rows - 1) * across)
 
     def picture(self, parted: bool = False) -> np.ndarray:
         """Trace the present frame, by the scene's method: float32 [H, W, 3], linear Rec. 709, top row first.

@@ -46,8 +46,8 @@ class HangingGrid:
     """Where the cloth of a scene is a grid of vertices, which says how it lies on its weave.
 
     first : number of its first triangle; two to a quad, row by row. quads : a row. size : metres of flat cloth that a quad
-    measures along a row and down a column. low, high : corners of a box in which the cloth hangs. count, pieces : triangles of
-    a piece of cloth, and how many of them there are, one behind the other; 0: all are of one.
+    measures along a row and down a column. low, high : corners of a box in which the cloth hangs. count : triangles of a piece
+    of cloth, of which several follow one another; 0: all are of one.
     """
 
     first: int
@@ -56,7 +56,6 @@ class HangingGrid:
     low: tuple[float, float, float]
     high: tuple[float, float, float]
     count: int = 0
-    pieces: int = 1
 
 
 @dataclass(frozen=True)

@@ -51,8 +51,7 @@ class Threads:
         assert grid is not None
         return {
             **self._made.get(lambda: self._make(fabric), fabric),
-            "hole_grid": (grid.first, grid.quads),
-            "hole_pieces": (grid.count or 1 << 30, grid.pieces),
+            "hole_grid": (grid.first, grid.quads, grid.count or 1 << 30),
             "quad_size": grid.size,
             **shared,
             "far_footprint": far_footprint(fabric),

@@ -34,7 +34,7 @@ class ThreadsOfSeveral:
         each = [grid or NO_PLACE for grid in grids]
         return {
             **self._made.get(lambda: self._make(fabrics, placed, lanes), placed, lanes, *fabrics),
-            "hole_grids": np.array([(one.first, one.quads, one.count or 1 << 30, 0) for one in each], "i4"),
+            "hole_grids": np.array([(one.first, one.quads, one.count or 1 << 30) for one in each], "i4"),
             "quad_sizes": np.array([one.size for one in each], "f4"),
         }
 

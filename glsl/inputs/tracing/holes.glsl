@@ -6,21 +6,19 @@
 #include "inputs/tracing/fabrics.glsl"
 uniform sampler2DArray hole_map;     // 1 in holes; a layer a fabric
 uniform vec4 hole_of[FABRICS];       // what hole_repeats, hole_mean and far_footprint are of one fabric
-uniform ivec4 hole_grids[FABRICS];   // the first triangle, quads a row, triangles of a piece of cloth
+uniform ivec3 hole_grids[FABRICS];   // as hole_grid
 uniform vec2 quad_sizes[FABRICS];
 #define hole_repeats hole_of[fabric_number].xy
 #define hole_mean hole_of[fabric_number].z
 #define far_footprint hole_of[fabric_number].w
 #define hole_grid hole_grids[fabric_number]
-#define hole_pieces hole_grids[fabric_number].zw
 #define quad_size quad_sizes[fabric_number]
 #define IN_HOLE_MAP(place) vec3(place, float(fabric_number))
 #else
 uniform sampler2D hole_map;  // 1 in holes
 uniform float hole_mean;
 uniform vec2 hole_repeats;   // 1/m, along u and v
-uniform ivec2 hole_grid;     // the first triangle, and quads a row
-uniform ivec2 hole_pieces;   // triangles of a piece of cloth, and how many pieces: the cloth behind them is of another weave
+uniform ivec3 hole_grid;     // the first triangle, quads a row, triangles of a piece of cloth
 uniform vec2 quad_size;      // metres of flat cloth, along a row and down a column
 uniform float far_footprint; // metres in a pixel from which on it shows no threads
 #define IN_HOLE_MAP(place) place
@@ -31,15 +29,9 @@ uniform vec3 shines_from;    // the lamp
 
 float pixel_width(vec3 p) { return pixel_size.x + pixel_size.y * distance(p, seen_from); }
 
-// The number of a triangle in its piece of cloth, and which piece that is.
-ivec2 number_in_piece(int triangle) {
-    int number = triangle - hole_grid.x, piece = number / hole_pieces.x;
-    return ivec2(number - piece * hole_pieces.x, piece);
-}
-
 // Where on the flat cloth a hit lies, metres.
 vec2 place_of_hit(int triangle, vec2 weights) {
-    int number = number_in_piece(triangle).x, quad = number >> 1;
+    int number = (triangle - hole_grid.x) % hole_grid.z, quad = number >> 1;  // in its piece of cloth
     // Corners as passes/accel/gather_grid.comp has them.
     vec2 place = (number & 1) == 0 ? weights.yx : vec2(1.0 - weights.x, weights.x + weights.y);
     return (vec2(quad % hole_grid.y, quad / hole_grid.y) + place) * quad_size;
@@ -55,12 +47,7 @@ float threads_shown(float width) { return clamp(2.5 - 2.5 * width / far_footprin
 float hole_at(int triangle, vec2 weights, float width, float slant) {
     vec2 texels = slanted(width, slant) * hole_repeats * vec2(textureSize(hole_map, 0).xy);
     vec2 place = place_of_hit(triangle, weights) * hole_repeats;
-    float hole = textureLod(hole_map, IN_HOLE_MAP(place), log2(max(max(texels.x, texels.y), 1.0))).r;
-#ifdef FABRICS
-    return hole;
-#else
-    return number_in_piece(triangle).y < hole_pieces.y ? hole : hole_mean;
-#endif
+    return textureLod(hole_map, IN_HOLE_MAP(place), log2(max(max(texels.x, texels.y), 1.0))).r;
 }
 
 // What covers a place of which `hole` is a hole, over what covers the whole cloth.
