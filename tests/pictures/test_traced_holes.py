@@ -58,6 +58,29 @@ def test_holes_and_threads_are_the_far_cloth_in_the_mean(ctx, name, eye, lamp):
     assert np.array_equal(*small)  # no pixel is fine enough
 
 
+def test_every_piece_of_a_cloth_begins_its_weave_anew(ctx):
+    fabric = load_fabric("linen_curtain")
+    side = 2.5 * repeat_of(fabric)[0]
+    positions = np.concatenate([quad(side, 0.0), quad(side, 0.0) + np.array([3.0 * side, 0.0, 0.0])])
+    at, tracer = (3.0 * side, 0.0), Tracer(ctx)
+    grid = HangingGrid(0, 1, (side, side), (-side, -side, 0.0), (4.0 * side, side, 0.0), count=2)
+    second = Shot(
+        Camera((*at, 0.05), (*at, 0.0), ortho=side), (48, 48), fabric,
+        Lighting(Lamp((0.0, 0.0, 1e3), (1e6, 1e6, 1e6)), (0.0, 0.0, 0.0)), settings=TraceSettings(2, accelerator="brute"),
+        grid=grid,
+    )  # fmt: skip
+    arrays = positions, np.zeros(4, int), np.zeros((1, 3))
+    try:
+        whole, alone = (
+            tracer.render(*arrays, dataclasses.replace(second, grid=one))
+            for one in (grid, dataclasses.replace(grid, first=2, count=0))
+        )
+    finally:
+        tracer.release()
+    assert whole[..., 1].std() > 0.05 * whole[..., 1].mean()
+    assert np.array_equal(whole, alone)
+
+
 def test_each_fabric_of_a_scene_shows_its_own_threads_and_holes(ctx):
     """Four side by side before a wall, with maps of two sizes, colours, fewer tangents, no weave: each as it is alone."""
     through = load_fabric("lace").transmission
