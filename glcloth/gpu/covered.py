@@ -21,15 +21,15 @@ EMPTY = np.array([GROUPS_OF_A_ROW, 0, 1, 0], "u4")
 MOST_PIXELS = 1 << 24
 
 
-def shading(ctx: moderngl.Context, what: str, defines: Inputs, virtual: Mapping[str, str], way: Way) -> Draw | Compute:
-    """The program that shades pixels, for `Covered.shade`; parameters as for `Programs.compute`.
+def shading(ctx: moderngl.Context, file: str, defines: Inputs, virtual: Mapping[str, str], way: Way) -> Draw | Compute:
+    """The program that shades pixels, for `Covered.shade`; other parameters as for `Programs.compute`.
 
-    `what`: shade, through, lambert, object or shade_terms, of passes/picture.
+    `file`: one of inputs/picture/shade_*.glsl, which says how
     """
+    virtual = {**virtual, "shade.glsl": file}
     if way == "fragment":
-        return programs(ctx).screen(f"passes/picture/{what}.frag", defines, virtual)
-    body = {"shade.glsl": f"inputs/picture/shade_{'cloth' if what == 'shade' else what.removeprefix('shade_')}.glsl"}
-    return programs(ctx).compute("passes/picture/covered.comp", defines, {**virtual, **body})
+        return programs(ctx).screen("passes/picture/covered.frag", defines, virtual)
+    return programs(ctx).compute("passes/picture/covered.comp", defines, virtual)
 
 
 class Covered:

@@ -81,7 +81,7 @@ class Method:
     """
 
     lights_solids = False  # else the light of solids is Gaussians and suns, each as far as it is seen
-    behind = "inputs/visibility/behind_means.glsl"  # the file for "behind.glsl" of passes/picture/through.frag
+    behind = "inputs/visibility/behind_means.glsl"  # the file for "behind.glsl" of inputs/picture/shade_through.glsl
     source = ""  # the GLSL file with `vec3 L_o(vec3 omega_o, mat3 surface_from_world)`
 
     def __init__(self, ctx: moderngl.Context):

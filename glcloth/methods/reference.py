@@ -222,7 +222,7 @@ class Reference(Method):
         self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
 
     def inputs(self) -> dict[str, Any]:
-        """What the pass file and passes/picture/lambert.frag read, but for the range of a pass."""
+        """What the pass file and inputs/picture/shade_lambert.glsl read, but for the range of a pass."""
         own = {
             "direction_data": self._data,
             "mirror_sharpness": self._mirror_sharpness,

@@ -37,6 +37,8 @@ from .prints import Print
 from .surface import Surface
 from .threads import Threads
 
+SHADE, SHADE_THROUGH = "inputs/picture/shade_cloth.glsl", "inputs/picture/shade_through.glsl"
+SHADE_TERMS = "inputs/picture/shade_terms.glsl"
 WOVEN_HOLES = {"inputs/picture/straight.glsl": "inputs/picture/straight_woven.glsl"}
 SHARE_STEP = 0.01  # relative, of the reflectance that bounced light is gathered with: half of it is the most it is off
 
@@ -179,13 +181,13 @@ class ClothSurface(Surface):
     def program(self, buffer: GBuffer, way: Way | None = None) -> Draw | Compute:
         """The program that shades the pixels of a G-buffer; `way`: this one and not the frame's."""
         defines = {**self.method.defines(), **buffer.defines()}
-        return shading(self.ctx, "shade", defines, self._virtual(), way or self.way)
+        return shading(self.ctx, SHADE, defines, self._virtual(), way or self.way)
 
     def woven_program(self, buffer: GBuffer) -> Draw | Compute:
         """As `program`, for pixels that show threads."""
         virtual = {**self._virtual(), "inputs/methods/threads.glsl": self.threads.source}
         defines = {**self.threads.defines(self.method), **buffer.defines()}
-        return shading(self.ctx, "shade", defines, virtual, self.way)
+        return shading(self.ctx, SHADE, defines, virtual, self.way)
 
     @property
     def list_program(self) -> Compute:
@@ -260,7 +262,7 @@ class ClothSurface(Surface):
         if self.threads.shown:
             holes = WOVEN_HOLES if self.threads.woven else {}
             virtual, defines = {**virtual, **holes}, {**self.threads.defines(self.method), **defines}
-        program = shading(self.ctx, "through", defines, virtual, self.way)
+        program = shading(self.ctx, SHADE_THROUGH, defines, virtual, self.way)
         if sums:
             light = {**self.method.inputs(), **view.drawn_inputs(), **self.passes[number]}
         else:
@@ -292,7 +294,7 @@ class ClothSurface(Surface):
         return Shown(
             near,
             far,
-            shading(self.ctx, "shade_terms", terms, virtual, self.way),
+            shading(self.ctx, SHADE_TERMS, terms, virtual, self.way),
             7 * groups + 2,
             programs(self.ctx).compute("passes/picture/shade_list.comp", defines, {**self._virtual(), **woven}),
             defines,

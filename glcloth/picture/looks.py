@@ -23,7 +23,7 @@ MOST_TEXELS = 1 << 24  # of all pictures together, 128 MiB
 
 
 class Looks:
-    """What glsl/passes/picture/object.frag reads beside light and G-buffer."""
+    """What inputs/picture/shade_object.glsl reads beside light and G-buffer."""
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
@@ -119,5 +119,5 @@ def _albedo_table(ctx: moderngl.Context) -> moderngl.Texture:
 
 
 def is_matt(material: Material) -> bool:
-    """Whether a material is one colour without gloss, as passes/picture/lambert.frag shades it."""
+    """Whether a material is one colour without gloss, as inputs/picture/shade_lambert.glsl shades it."""
     return material.texture is None and material.roughness >= 1.0 and material.metalness <= 0.0

@@ -164,13 +164,13 @@ class Solids(Surface):
         method = self._lit_by.method
         defines = {**buffer.defines(), **({"CATCHER": 1} if self.catches else {})}
         glossy = self._looks.glossy
-        what = "object" if glossy else "lambert"
+        file = "inputs/picture/shade_object.glsl" if glossy else "inputs/picture/shade_lambert.glsl"
         if method.lights_solids:
             virtual, light = method.solids_includes(), {**method.inputs(), **self._lit_by.passes[number]}
             defines = {**method.defines(), **defines}
         else:
             virtual, light = {"lit.glsl": "inputs/visibility/lit_means.glsl"}, self._means(view)
-        program = shading(self.ctx, what, defines, virtual, self.way)
+        program = shading(self.ctx, file, defines, virtual, self.way)
         share = {"pass_weight": weight, "pass_cover": 0.0 if number else weight, **self._catcher()}
         look = self._looks.inputs(buffer, self.buffers) if glossy else {}
         buffer.shade(program, light, {"reflectance_data": self._reflectance_data, **look}, share, add=add, rows=rows)
@@ -181,7 +181,7 @@ class Solids(Surface):
         return self.objects.ground is not None and self.objects.ground.catcher
 
     def _catcher(self) -> dict[str, Any]:
-        """What passes/picture/lambert.frag reads for a ground that shows its shadow alone."""
+        """What inputs/picture/shade_lambert.glsl reads for a ground that shows its shadow alone."""
         if not self.catches:
             return {}
         ground = self.objects.ground

@@ -1,5 +1,8 @@
 // A pixel of a coarse picture, shaded as cloth from afar; what each tangent adds to it is kept.   [own]
 #include "inputs/picture/output.glsl"
+#ifndef COVERED
+layout(early_fragment_tests) in;  // a shader that writes to an image is tested late otherwise
+#endif
 #include "method.glsl"
 #include "seen.glsl"
 #include "inputs/picture/gbuffer.glsl"

@@ -1,6 +1,5 @@
 #version 430
-// Shades the covered pixels of a picture by what is included as "shade.glsl", as a draw of passes/picture/shade.frag, through.frag,
-// lambert.frag, object.frag or shade_terms.frag does.   [own]
+// Shades the covered pixels of a picture by what is included as "shade.glsl", as a draw of covered.frag does.   [own]
 #define COVERED 1
 #include "shade.glsl"
 layout(local_size_x = 64) in;
