@@ -14,7 +14,7 @@ from glcloth import progress
 from glcloth.curtain.hanging import CurtainParameters, CurtainSimulation
 from glcloth.light.environment import load_environment
 from glcloth.light.fit import fit_lights
-from glcloth.picture import sequence as animate
+from glcloth.picture.sequence_files import write_frames, write_video
 
 path = str(output(sys.argv[1] if len(sys.argv) > 1 else "out/11_turning_sun/%04d.png"))
 if path.endswith(".mp4"):
@@ -43,9 +43,7 @@ with glcloth.Renderer() as renderer:
     look = 0.0, "standard"
     film = pictures(renderer)
     written = (
-        animate.write_video(film, Path(path), rate, *look)
-        if path.endswith(".mp4")
-        else animate.write_frames(film, path, 0, {}, *look)
+        write_video(film, Path(path), rate, *look) if path.endswith(".mp4") else write_frames(film, path, 0, {}, *look)
     )
     for _ in progress.track(written, f"{path}: frames", frames):
         pass

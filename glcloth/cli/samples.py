@@ -163,7 +163,7 @@ def _poses(
     """Each pose's file and what writes it; the cloth is moved where a file is missing only."""
     from ..geometry.mesh_files import save_mesh
     from ..gpu.context import create_context
-    from ..picture.sequence import frame_name
+    from ..picture.sequence_files import frame_name
     from ..simulation.drape import Swaying
 
     files = [frame_name(str(folder / POSES), number) for number in range(count)]

@@ -60,9 +60,9 @@ def animate(
         raise InputError("--turntable, --turn-env: for cloth under an environment; the curtain hangs in a room")
 
     from ..farm.film import Film
-    from ..picture import sequence
+    from ..picture.sequence_files import check_sequence
 
-    video = sequence.check_sequence(output, chosen.size)
+    video = check_sequence(output, chosen.size)
     if video and start:
         raise InputError(f"{output}: a video starts at frame 0; write frames/%04d.png to resume with --start")
     film = Film(
@@ -107,20 +107,17 @@ def _layers(aov: str | None, scene: Scene, output: Path) -> tuple[str, ...]:
 
 def _film_here(film: Film, start: int, video: bool) -> None:
     """Render a film in this process, its frames or a video."""
-    from ..picture import sequence
+    from ..picture import sequence, sequence_files
     from ..picture.renderer import Renderer
 
     look = film.scene.exposure, film.scene.transform
     with ExitStack() as stack:
         renderer = stack.enter_context(Renderer(film.device))
-        poses = film.poses(renderer, stack)
-        pictures = sequence.pictures(
-            renderer, film.start, film.frames, start, poses, film.around, film.turn_env, film.first, film.aovs
-        )
+        pictures = sequence.pictures(renderer, film.start, film.motion(renderer, stack), start, film.aovs)
         if video:
-            written = sequence.write_video(pictures, Path(film.output), film.rate, *look)
+            written = sequence_files.write_video(pictures, Path(film.output), film.rate, *look)
         else:
-            written = sequence.write_frames(pictures, film.output, start, film.header, *look)
+            written = sequence_files.write_frames(pictures, film.output, start, film.header, *look)
         for _ in track(written, f"{film.output}: frames", film.frames - start):
             pass
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..errors import InputError
 from ..geometry.mesh import Mesh
-from ..picture import sequence
+from ..picture import sequence, sequence_files
 from ..picture.cloths import load_meshes
 from ..picture.renderer import Renderer
 from ..scene import Scene, header
@@ -46,7 +46,7 @@ class Film:
     @functools.cached_property
     def files(self) -> dict[int, Path] | None:
         """The poses' files, if the cloth has such. Raises InputError for one that is missing."""
-        return sequence.pose_files(self.scene.mesh, self.frames, self.since) if "%" in self.scene.mesh else None
+        return sequence_files.pose_files(self.scene.mesh, self.frames, self.since) if "%" in self.scene.mesh else None
 
     @property
     def first(self) -> int:
@@ -67,8 +67,11 @@ class Film:
         moves = self.files is not None or self.wind is not None or self.scene.curtain is not None
         return not (moves or self.turn_env) if self.turntable is None else self.turntable
 
-    def poses(self, renderer: Renderer, stack: ExitStack) -> Callable[[int], Mesh] | None:
-        """The mesh of each frame of a cloth that moves, asked for in ascending order; None for one that rests."""
+    def motion(self, renderer: Renderer, stack: ExitStack) -> sequence.Motion:
+        """What moves in it; `stack` ends a simulation."""
+        return sequence.Motion(self.frames, self._poses(renderer, stack), self.first, self.around, self.turn_env)
+
+    def _poses(self, renderer: Renderer, stack: ExitStack) -> Callable[[int], Mesh] | None:
         if (files := self.files) is not None:
             return lambda number: load_meshes([str(files[number])], self.start.units)[0][0]
         if self.wind is None:
@@ -105,21 +108,18 @@ class Film:
 
     def file(self, number: int) -> Path:
         """Where a frame is written."""
-        return sequence.frame_name(self.output, number)
+        return sequence_files.frame_name(self.output, number)
 
     def pictures(self, numbers: Iterable[int]) -> Iterator[Any]:
         """Yield the pictures of some frames, their numbers ascending: to the bit those of the whole sequence."""
         with ExitStack() as stack:
             renderer = stack.enter_context(Renderer(self.device))
-            poses = self.poses(renderer, stack)
-            yield from sequence.chosen(
-                renderer, self.start, self.frames, numbers, poses, self.around, self.turn_env, self.first, self.aovs
-            )
+            yield from sequence.chosen(renderer, self.start, self.motion(renderer, stack), numbers, self.aovs)
 
     def write(self, number: int, picture: Any) -> dict:
         """Write a frame, whole or not at all."""
         look = self.scene.exposure, self.scene.transform
-        sequence.write_picture(self.file(number), picture, self.header(number), *look)
+        sequence_files.write_picture(self.file(number), picture, self.header(number), *look)
         return {"number": number, "file": str(self.file(number))}
 
 
@@ -135,7 +135,7 @@ def encode(film: Film, video: Path) -> Iterator[Path]:
     from ..image import read_image
 
     pictures = (read_image(film.file(number)) for number in range(film.frames))
-    yield from sequence.write_video(pictures, video, film.rate, film.scene.exposure, film.scene.transform)
+    yield from sequence_files.write_video(pictures, video, film.rate, film.scene.exposure, film.scene.transform)
 
 
 def in_frames(film: Film, folder: Path) -> Film:

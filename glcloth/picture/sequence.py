@@ -1,33 +1,59 @@
-"""Sequences: pictures one after the other, written as numbered frames or as a video."""
+"""Sequences: the pictures of a scene one after the other, while cloth, camera or light moves."""
 
 from __future__ import annotations
 
-import functools
-import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from ..color import Transform, view
-from ..errors import InputError
-from ..files import atomic_write, check_writable
 from ..geometry.camera import Camera
 from ..geometry.mesh import Mesh, relative_to
 from ..geometry.props import Objects
-from ..image import check_output, write_image
 from ..light.environment import rotation_y
 from ..progress import drain
 from ..scene import Scene
 from .frame import Frame
-from .layers import Layers
 from .renderer import Renderer
 
-VIDEO = (".mp4",)
-NUMBER = re.compile(r"%0?(\d{0,2})d")
 POSES = 4  # until every direction of a vertex that follows is looked into again
+
+
+@dataclass(frozen=True)
+class Motion:
+    """What moves in a sequence of cloth under an environment; the curtain moves in its wind.
+
+    Parameters
+    ----------
+    frames : of the whole sequence
+    poses : the mesh of each frame, asked for in ascending order; its shadows follow it (`Renderer.follow_poses`); None: the
+        cloth rests
+    first : the first pose that there is
+    turntable : one turn of the camera around the cloth
+    turn_env : degrees by which the environment turns; frame number `frames` would have turned by all of them
+    """
+
+    frames: int
+    poses: Callable[[int], Mesh] | None = None
+    first: int = 0
+    turntable: bool = False
+    turn_env: float = 0.0
+
+    def at(self, renderer: Renderer, still: Frame, number: int) -> Frame:
+        """A frame of the sequence; `still` holds all that does not change."""
+        scene = still.scene
+        if self.turn_env:
+            scene = scene.model_copy(update={"env_rotate": scene.env_rotate + self.turn_env * number / self.frames})
+        return renderer.prepare(
+            scene,
+            mesh=None if self.poses is None else relative_to(self.poses(number), still.mesh.origin),
+            cloths=still.cloths if self.poses is None else (),
+            environment=still.environment,
+            lights=None if self.turn_env else still.lights,
+            camera=orbit(still.camera, 360.0 * number / self.frames) if self.turntable else still.camera,
+            objects=still.objects or Objects(),
+        )
 
 
 def orbit(camera: Camera, degrees: float) -> Camera:
@@ -37,203 +63,39 @@ def orbit(camera: Camera, degrees: float) -> Camera:
 
 
 def pictures(
-    renderer: Renderer,
-    scene: Scene,
-    count: int,
-    start: int = 0,
-    poses: Callable[[int], Mesh] | None = None,
-    turntable: bool = False,
-    turn_env: float = 0.0,
-    first: int = 0,
-    aovs: Sequence[str] = (),
+    renderer: Renderer, scene: Scene, motion: Motion, start: int = 0, aovs: Sequence[str] = ()
 ) -> Iterator[Any]:
-    """Yield the pictures `start` to `count` - 1 of a scene: the curtain in its wind, or cloth as `moving` has it; with `aovs`
-    their layers, as `Renderer.render` has them."""
-    if scene.curtain is None:
-        yield from moving(renderer, renderer.prepare(scene), count, start, poses, turntable, turn_env, first, aovs)
-    else:
-        for number in range(start, count):
-            yield renderer.render(scene.changed(frame=number), aovs=aovs)
-
-
-def moving(
-    renderer: Renderer,
-    frame: Frame,
-    count: int,
-    start: int = 0,
-    poses: Callable[[int], Mesh] | None = None,
-    turntable: bool = False,
-    turn_env: float = 0.0,
-    first: int = 0,
-    aovs: Sequence[str] = (),
-) -> Iterator[Any]:
-    """Yield the pictures `start` to `count` - 1 of a sequence; `frame` holds all that does not change.
-
-    Parameters
-    ----------
-    poses : the mesh of each frame, asked for in ascending order; its shadows follow it (`Renderer.follow_poses`)
-    turntable : one turn of the camera around the cloth
-    turn_env : degrees by which the environment turns; frame `count` would have turned by all of them
-    first : the first pose that there is
-    aovs : as of `pictures`
+    """Yield the pictures of a sequence from frame `start` on; with `aovs` their layers, as `Renderer.render` has them.
 
     Vertices keep visibility from four poses: a sequence that begins at `start` traces the poses before it, too. The
     bits are as in the whole sequence but for where rays start, which the first traced pose decides.
     """
-
-    at = functools.partial(_frame_at, renderer, frame, count, poses, turntable, turn_env)
-    renderer.follow_poses(poses is not None)
     # Rounds of four poses: each traces directions of its own.
-    for i in range(max(first, (start // POSES - 1) * POSES) if poses is not None else start, start):
-        drain(renderer.trace_visibility(at(i)))
-    for i in range(start, count):
-        yield renderer.render_layers(at(i), aovs) if aovs else renderer.render_frame(at(i))
+    traced = max(motion.first, (start // POSES - 1) * POSES)
+    yield from _pictures(renderer, scene, motion, range(start, motion.frames), traced, aovs)
 
 
 def chosen(
-    renderer: Renderer,
-    scene: Scene,
-    count: int,
-    numbers: Iterable[int],
-    poses: Callable[[int], Mesh] | None = None,
-    turntable: bool = False,
-    turn_env: float = 0.0,
-    first: int = 0,
-    aovs: Sequence[str] = (),
+    renderer: Renderer, scene: Scene, motion: Motion, numbers: Iterable[int], aovs: Sequence[str] = ()
 ) -> Iterator[Any]:
-    """Yield the pictures of some frames of a sequence of `count`, their numbers ascending; parameters as for `moving`.
+    """As `pictures`, of some frames, their numbers ascending, with the bits of the whole sequence: of cloth that moves, all
+    poses before a frame are traced."""
+    yield from _pictures(renderer, scene, motion, numbers, motion.first, aovs)
 
-    They have the bits of the whole sequence: of cloth that moves, all poses before a frame are traced.
-    """
+
+def _pictures(
+    renderer: Renderer, scene: Scene, motion: Motion, numbers: Iterable[int], traced: int, aovs: Sequence[str]
+) -> Iterator[Any]:
+    """`traced`: the first pose whose shadows are traced, though it may not be shown."""
     if scene.curtain is not None:
         for number in numbers:
             yield renderer.render(scene.changed(frame=number), aovs=aovs)
         return
-    at = functools.partial(_frame_at, renderer, renderer.prepare(scene), count, poses, turntable, turn_env)
-    renderer.follow_poses(poses is not None)
-    traced = first
+    still = renderer.prepare(scene)
+    renderer.follow_poses(motion.poses is not None)
     for number in numbers:
-        for i in range(traced, number) if poses is not None else ():
-            drain(renderer.trace_visibility(at(i)))
+        for before in range(traced, number) if motion.poses is not None else ():
+            drain(renderer.trace_visibility(motion.at(renderer, still, before)))
         traced = number + 1
-        yield renderer.render_layers(at(number), aovs) if aovs else renderer.render_frame(at(number))
-
-
-def _frame_at(
-    renderer: Renderer,
-    frame: Frame,
-    count: int,
-    poses: Callable[[int], Mesh] | None,
-    turntable: bool,
-    turn_env: float,
-    i: int,
-) -> Frame:
-    """Frame i of a sequence; `frame` holds all that does not change."""
-    scene = frame.scene
-    if turn_env:
-        scene = scene.model_copy(update={"env_rotate": scene.env_rotate + turn_env * i / count})
-    return renderer.prepare(
-        scene,
-        mesh=None if poses is None else relative_to(poses(i), frame.mesh.origin),
-        cloths=frame.cloths if poses is None else (),
-        environment=frame.environment,
-        lights=None if turn_env else frame.lights,
-        camera=orbit(frame.camera, 360.0 * i / count) if turntable else frame.camera,
-        objects=frame.objects or Objects(),
-    )
-
-
-def pose_files(pattern: str, count: int, start: int = 0) -> dict[int, Path]:
-    """The files of the poses `start` to `count` - 1 of a pattern such as poses/%04d.ply, and of those before them as far
-    back as there is no gap. Raises InputError for one that is missing."""
-    if len(NUMBER.findall(pattern)) != 1:
-        raise InputError(f"--mesh {pattern}: expected one number, such as poses/%04d.ply")
-    files = {number: frame_name(pattern, number) for number in range(count)}
-    for number in range(start, count):
-        if not files[number].is_file():
-            there = [n for n, file in files.items() if file.is_file()]
-            if not there:
-                hint = f"of {pattern} there is none; check the path"
-            elif there[0] > number:
-                hint = f"its poses begin at {there[0]}: choose --start {there[0]}"
-            else:
-                hint = f"there are {number - there[0]} from {there[0]} on: choose --frames {number}"
-            raise InputError(f"{files[number]}: no such file, pose of frame {number} of {count}; {hint}")
-    first = start
-    while first and files[first - 1].is_file():
-        first -= 1
-    return {number: files[number] for number in range(first, count)}
-
-
-def frame_name(pattern: str, number: int) -> Path:
-    """The file of one frame of a pattern such as frames/%04d.png."""
-    return Path(NUMBER.sub(lambda match: f"{number:0{match[1] or 1}d}", pattern))
-
-
-def check_sequence(output: Path, size: tuple[int, int]) -> bool:
-    """Return True if `output` is a video, False if it is a pattern of frames; make the folder of the frames.
-
-    Raises InputError for a name that is neither, a folder that cannot be written, an odd size or a missing PyAV.
-    """
-    text = str(output)
-    if output.suffix.lower() in VIDEO:
-        check_writable(output)
-        if size[0] % 2 or size[1] % 2:
-            raise InputError(f"{output}: size {size[0]}x{size[1]}: video needs even sides; choose an even --size")
-        try:
-            import av  # noqa: F401
-        except ImportError:
-            raise InputError(
-                f"{output}: video needs PyAV: pip install 'glcloth[video]'; or write frames/%04d.png"
-            ) from None
-        return True
-    if len(NUMBER.findall(output.name)) != 1:
-        raise InputError(f"{text}: expected a video (.mp4) or frames with their number, such as frames/%04d.png")
-    try:
-        output.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{output.parent}: cannot be made ({error.strerror}); choose another folder") from None
-    check_output(frame_name(text, 0))
-    return False
-
-
-def write_frames(
-    pictures: Iterable[Any],
-    pattern: str,
-    start: int,
-    settings: dict | Callable[[int], dict],
-    exposure: float,
-    transform: Transform,
-):
-    """Write numbered pictures, each whole or not at all, with their settings (or a function of the frame's number);
-    yields after each, so that the caller can show progress."""
-    for number, picture in enumerate(pictures, start):
-        path = frame_name(pattern, number)
-        header = settings(number) if callable(settings) else settings
-        write_picture(path, picture, {**header, "frame": number}, exposure, transform)
-        yield path
-
-
-def write_picture(path: Path, picture: Any, settings: dict, exposure: float, transform: Transform) -> None:
-    """Write a picture, or the picture of Layers with these."""
-    layers = picture if isinstance(picture, Layers) else None
-    shown = picture if layers is None else layers["beauty"]
-    write_image(path, shown, settings, exposure=exposure, view_transform=transform, layers=layers)
-
-
-def write_video(pictures: Iterable[np.ndarray], path: Path, rate: int, exposure: float, transform: Transform):
-    """Write an H.264 video, whole or not at all; yields after each frame."""
-    import av
-
-    with atomic_write(path) as temporary, av.open(str(temporary), "w") as container:
-        stream = None
-        for picture in pictures:
-            code = np.round(255 * view(picture[..., :3], transform, exposure)).astype(np.uint8)
-            if stream is None:
-                stream = container.add_stream("libx264", rate=rate, options={"crf": "16", "preset": "medium"})
-                stream.height, stream.width = code.shape[:2]
-                stream.pix_fmt = "yuv420p"
-            container.mux(stream.encode(av.VideoFrame.from_ndarray(code, "rgb24")))
-            yield path
-        if stream is not None:
-            container.mux(stream.encode())
+        frame = motion.at(renderer, still, number)
+        yield renderer.render_layers(frame, aovs) if aovs else renderer.render_frame(frame)

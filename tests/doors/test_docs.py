@@ -14,7 +14,7 @@ from glcloth import cli
 from glcloth.cli.samples import POSES
 from glcloth.fabric import Fabric
 from glcloth.geometry.mesh_files import load_mesh, save_mesh
-from glcloth.picture.sequence import frame_name
+from glcloth.picture.sequence_files import frame_name
 from glcloth.scene import Scene
 
 MAKEFILE = (documents.ROOT / "Makefile").read_text(encoding="utf-8")

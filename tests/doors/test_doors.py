@@ -18,7 +18,7 @@ from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh, save_mesh
 from glcloth.image import read_image, read_settings, write_image
 from glcloth.picture.renderer import Renderer
-from glcloth.picture.sequence import pose_files
+from glcloth.picture.sequence_files import pose_files
 
 ROOT = Path(__file__).resolve().parents[2]
 # Two directions per edge keep the reference quick; what is tested here is the door, not the light.

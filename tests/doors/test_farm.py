@@ -88,8 +88,9 @@ def test_some_frames_of_cloth_that_moves_have_the_bits_of_all(renderer):
         return build_mesh("pose", positions, sheet.triangles, sheet.uv)
 
     scene = Scene(fabric="linen", size=(24, 18), mesh="plane", quality="draft")
-    whole = list(sequence.pictures(renderer, scene, 6, poses=pose, turn_env=60.0))
-    some = list(sequence.chosen(renderer, scene, 6, iter([1, 3, 5]), pose, turn_env=60.0))
+    motion = sequence.Motion(6, pose, turn_env=60.0)
+    whole = list(sequence.pictures(renderer, scene, motion))
+    some = list(sequence.chosen(renderer, scene, motion, iter([1, 3, 5])))
     renderer.follow_poses(False)
     assert all(np.array_equal(some[k], whole[n]) for k, n in enumerate((1, 3, 5)))
     assert not np.array_equal(whole[3], whole[5])

@@ -18,7 +18,8 @@ from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture import adaptive
 from glcloth.picture.adaptive import AdaptiveRate
 from glcloth.picture.frame import Cloth
-from glcloth.picture.sequence import orbit, pose_files
+from glcloth.picture.sequence import orbit
+from glcloth.picture.sequence_files import pose_files
 from glcloth.twins import visibility as twin
 
 
