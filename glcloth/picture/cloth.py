@@ -29,9 +29,10 @@ from ..visibility.probes import lift_off_facets, subdivided
 from ..visibility.sheets import Passed, sees_through
 from ..visibility.vertices import FLAT
 from .adaptive import AdaptiveRate, Shown
+from .cut_textures import CutTextures
 from .frame import Cloth, Frame
 from .fuzz import Fuzz
-from .openings import CutTextures, mostly_closed, open_last
+from .openings import mostly_closed, open_last
 from .pace import Pace
 from .prints import Print
 from .surface import Surface

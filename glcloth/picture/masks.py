@@ -11,7 +11,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-import moderngl
 import numpy as np
 
 from ..color import hex_codes, is_hex
@@ -20,40 +19,12 @@ from ..geometry.mesh import Mesh
 from ..geometry.parts import taken
 from ..image import decode_bytes, read_image
 from ..scene import ClothMap
+from .uv_pictures import FOUR_PLACES, has_codes, lie, uv_places
 
 NEAR = 64  # of 255 codes in each channel: that far from a colour, or farther, a place has not its fabric
 BAND = 1 << 20  # texels at a time, for memory
 MOST_TEXELS = 8192  # a side; of larger pictures every second, third ... texel is taken
-PLACES = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2], [4, 4, 4]]) / np.array([[4], [4], [4], [12]])
 LISTED = 6  # colours that an error names
-
-
-class MaskTextures:
-    """The masks of a context on the GPU, each once, however many cloths it parts."""
-
-    def __init__(self, ctx: moderngl.Context):
-        self.ctx = ctx
-        self._held: dict[int, tuple[np.ndarray, moderngl.Texture, int]] = {}
-
-    def take(self, numbers: np.ndarray) -> moderngl.Texture:
-        """The texture of numbers [H, W] uint8, one user more."""
-        _, texture, users = self._held.get(id(numbers)) or (None, self._made(numbers), 0)
-        self._held[id(numbers)] = numbers, texture, users + 1
-        return texture
-
-    def give_back(self, numbers: np.ndarray) -> None:
-        """One user less; without any it is freed."""
-        _, texture, users = self._held.pop(id(numbers))
-        if users > 1:
-            self._held[id(numbers)] = numbers, texture, users - 1
-        else:
-            texture.release()
-
-    def _made(self, numbers: np.ndarray) -> moderngl.Texture:
-        height, width = numbers.shape
-        texture = self.ctx.texture((width, height), 1, np.ascontiguousarray(numbers), alignment=1, dtype="u1")
-        texture.filter = moderngl.NEAREST, moderngl.NEAREST
-        return texture
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +102,7 @@ class Masked:
 
     def mostly(self, mesh: Mesh) -> np.ndarray:
         """The triangles [T] that show this number more than any other, a smaller one at a draw: each hides light once."""
-        found = np.sort(_numbers_at(self.numbers, _places(mesh, PLACES) / self.repeat), 0)
+        found = np.sort(_numbers_at(self.numbers, uv_places(mesh, FOUR_PLACES) / self.repeat), 0)
         counts = (found[:, None] == found).sum(0)
         return np.take_along_axis(found, counts.argmax(0)[None], 0)[0] == self.number
 
@@ -139,13 +110,12 @@ class Masked:
 def load_mask(entry: ClothMap) -> FabricMask:
     """Read a fabric mask: the codes of a PNG or JPEG, the values of others, as they are. Raises InputError as `read_image`."""
     path = Path(entry.file)
-    if path.suffix.lower() in (".png", ".jpg", ".jpeg"):
+    if has_codes(path):
         codes = decode_bytes(path)[::-1]
     else:
         codes = np.rint(255.0 * np.nan_to_num(read_image(path)[::-1, :, :3]).clip(0.0, 1.0)).astype(np.uint8)
     step = -(-max(codes.shape[:2]) // MOST_TEXELS)
-    height = entry.repeat * codes.shape[0] / codes.shape[1] if entry.unit == "m" else entry.repeat
-    return FabricMask(np.ascontiguousarray(codes[::step, ::step]), (entry.repeat, height), entry.unit == "m")
+    return FabricMask(np.ascontiguousarray(codes[::step, ::step]), *lie(entry, codes))
 
 
 def check_colors(masks: Mapping[str, FabricMask], colors: Sequence[str]) -> None:
@@ -172,7 +142,7 @@ def split(mesh: Mesh, mask: FabricMask, colors: Sequence[str], scale: float) -> 
     """
     numbers = mask.numbers(colors)
     repeat = mask.repeat[0] / scale, mask.repeat[1] / scale
-    corners = _places(mesh, np.eye(3)) / repeat * numbers.shape[::-1]
+    corners = uv_places(mesh, np.eye(3)) / repeat * numbers.shape[::-1]
     low, high = np.floor(corners.min(0)).astype(int) - 1, np.floor(corners.max(0)).astype(int) + 2
     pieces = []
     for number in np.unique(numbers).tolist():
@@ -194,12 +164,6 @@ def part_pattern(name: str) -> str:
 
 def _codes(color: str) -> np.ndarray:
     return np.rint(255.0 * np.array(hex_codes(color))).astype(np.int16)
-
-
-def _places(mesh: Mesh, weights: np.ndarray) -> np.ndarray:
-    """UVs [K, T, 2] at barycentric places [K, 3] of each triangle."""
-    assert mesh.uv is not None
-    return np.einsum("kc,tcd->ktd", weights, np.nan_to_num(np.asarray(mesh.uv, float))[mesh.triangles])
 
 
 def _numbers_at(numbers: np.ndarray, at: np.ndarray) -> np.ndarray:

@@ -18,10 +18,10 @@ from ..gpu.memo import Last
 from ..gpu.pictures import even_size, picture_array, resampled
 from ..image import decode_codes, read_image
 from ..scene import PrintMap
+from .uv_pictures import MIDDLES, has_codes, lie, texel_means, uv_places
 
 TAPS = 8.0  # places at which a pixel reads the print
-MEAN_SIDE = 64  # texels a side of the picture that the mean is read from,
-CORNERS = np.array([[2, 1, 1], [1, 2, 1], [1, 1, 2]]) / 4.0  # at these places of each triangle
+MEAN_SIDE = 64  # texels a side of the picture that the mean is read from
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,35 +45,22 @@ class Print:
 
     def mean_on(self, mesh: Mesh, scale: float) -> np.ndarray:
         """The mean colour [3] on a mesh, whose UV unit is `scale` of the repeat's."""
-        assert mesh.uv is not None
         size = tuple(min(side, MEAN_SIDE) for side in self.colors.shape[:2])
         coarse = resampled(self.colors, (size[0], size[1]))
-        p, uv = np.asarray(mesh.positions, float)[mesh.triangles], np.asarray(mesh.uv, float)[mesh.triangles]
+        p = np.asarray(mesh.positions, float)[mesh.triangles]
         area = np.linalg.norm(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]), axis=1)
-        places = np.nan_to_num(np.einsum("kc,tcd->ktd", CORNERS, uv)) * (scale / np.array(self.repeat))
+        places = uv_places(mesh, MIDDLES) * (scale / np.array(self.repeat))
         values = texel_means(coarse, places).mean(0)
         return (area[:, None] * values).sum(0) / max(area.sum(), 1e-30)
-
-
-def texel_means(texels: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Texels [H, W, C] of a picture that repeats, at places [..., 2] in repeats, linear between them: [..., C]."""
-    height, width = texels.shape[:2]
-    place = (at % 1.0) * (width, height) - 0.5
-    low = np.floor(place).astype(int)
-    x, y = np.moveaxis(place - low, -1, 0)[..., None]
-    rows, columns = [(low[..., 1] + k) % height for k in (0, 1)], [(low[..., 0] + k) % width for k in (0, 1)]
-    (a, b), (c, d) = [[texels[row, column] for column in columns] for row in rows]
-    return (1 - y) * ((1 - x) * a + x * b) + y * ((1 - x) * c + x * d)
 
 
 def load_print(entry: PrintMap) -> Print:
     """Read the picture of a print. Raises InputError as `read_image`."""
     picture = read_image(entry.file)
-    if entry.space == "linear" and str(entry.file).lower().endswith((".png", ".jpg", ".jpeg")):
+    if entry.space == "linear" and has_codes(entry.file):
         picture = decode_codes(Path(entry.file))
     colors = np.nan_to_num(np.asarray(picture[::-1, :, :3], np.float32), posinf=65504.0).clip(0.0, 65504.0)
-    height = entry.repeat * colors.shape[0] / colors.shape[1] if entry.unit == "m" else entry.repeat
-    return Print(colors, (entry.repeat, height), entry.unit == "m")
+    return Print(colors, *lie(entry, colors))
 
 
 class PrintTexture:
