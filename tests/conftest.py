@@ -87,7 +87,7 @@ def session_renderer(session_ctx):
 
     with session_ctx:
         renderer = Renderer(ctx=session_ctx)
-        renderer._ways.due = lambda scene: False  # which way is faster here decides about no test
+        renderer._passes.ways.due = lambda scene: False  # which way is faster here decides about no test
         yield renderer
 
 

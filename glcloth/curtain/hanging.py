@@ -115,7 +115,7 @@ class CurtainSimulation:
         own["contact_columns"] = int(MEETS * m.quads[0] / m.pleats)
         own["gap"] *= spacing[0]
         own["shear"] = max(own["shear"], m.shear)
-        if strong and STRONG:
+        if strong:
             closed = CLOSED * math.hypot(*spacing) / 2
             if closed > own["gap"] or self.pushed:
                 own |= {"contact_columns": int(PILES * m.quads[0] / m.pleats), "contact_rows": 1}

@@ -14,7 +14,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..fabric import Fabric
-from ..geometry.camera import Camera, lens_samples, sample_offsets
+from ..geometry.camera import Camera
 from ..gpu.context import Owner, check_errors, create_context
 from ..gpu.gbuffer import GBuffer
 from ..image import as_picture
@@ -22,19 +22,18 @@ from ..light.environment import Environment
 from ..light.lights import Lights, SphericalGaussians, as_lights
 from ..methods.method import Method
 from ..methods.settings import Settings
-from ..progress import check_stopped
+from ..progress import check_stopped, drain
 from ..scene import MethodName, Quality, Scene, View, load_scene
 from ..tracing.denoise import denoised
 from .background import Background
 from .frame import Frame, Frames
 from .layers import LIGHT, Gathering, Layers, chosen
 from .pace import Pace
+from .passes import Passes
 from .path import PathPictures
 from .picked import Picked, pick
 from .stage import Stage
-from .surface import Surface
 from .target import Target, Targets
-from .ways import ways
 
 if TYPE_CHECKING:
     from ..curtain.show import CurtainShow
@@ -57,11 +56,11 @@ class Renderer:
         self._owner = Owner("Renderer")
         self.ctx = create_context(device) if ctx is None else ctx
         self.stage = Stage(self.ctx)
-        self._ways = ways(self.ctx)
         self._frames = Frames()
         self._targets = Targets(self.ctx)
         self._target: Target | None = None
         self._background = Background(self.ctx)
+        self._passes = Passes(self.stage, self._background)
         self._paths = PathPictures(self.ctx)
         self._show: CurtainShow | None = None
         self._last: Frame | CurtainShow | None = None  # the last one rendered
@@ -150,8 +149,7 @@ class Renderer:
             frame = replace(frame, scene=frame.scene.model_copy(update={"adaptive": False}))
         self._last = frame
         gathering = Gathering(chosen(names), frame)
-        for _ in self.steps(frame, announce=f"{frame.scene.method}: passes over the picture", gathering=gathering):
-            pass
+        drain(self.steps(frame, announce=f"{frame.scene.method}: passes over the picture", gathering=gathering))
         picture = self.target.read()
         return gathering.result(as_picture(picture[..., :3] if frame.scene.background else picture, frame.scene))
 
@@ -210,8 +208,7 @@ class Renderer:
 
     def draw(self, frame: Frame) -> None:
         """Draw a frame into a texture, `target.color`; nothing is read back."""
-        for _ in self.steps(frame, announce=f"{frame.scene.method}: passes over the picture"):
-            pass
+        drain(self.steps(frame, announce=f"{frame.scene.method}: passes over the picture"))
 
     def draw_aside(self, frame: Frame) -> None:
         """As `draw`, and wait for it, of a frame that nobody sees: places are asked of the picture before, where it is kept."""
@@ -246,38 +243,9 @@ class Renderer:
             self._target, self._last, self._by_path = target, frame, frame
             yield from self._paths.steps(frame, target.framebuffer, pace)
             return
-        surfaces = self.stage.take(frame)
-        self._ways.take(frame.scene, surfaces)
+        self.stage.take(frame)
         self._target, self._by_path = target, None
-        self._trace(pace)
-        passes = max(surface.pass_count for surface in surfaces)
-        samples, cameras = sample_offsets(frame.scene.spp), lens_samples(frame.camera, frame.scene.spp)
-        total = passes * len(samples)
-        for job in pace.tracked(self.stage.geometry_jobs(frame), f"{frame.scene.method}: light on the folds"):
-            job()
-            yield 0, total
-        target.clear()
-        jobs = [(sample, number) for sample in range(len(samples)) for number in range(passes)]
-        for done, (sample, number) in enumerate(pace.tracked(jobs, announce or "") if total > 1 else jobs):
-            if number == 0:
-                for _ in self._see(
-                    target, replace(frame, camera=cameras[sample]), samples[sample], (sample, len(samples)), pace
-                ):
-                    yield done, total
-                if gathering is not None:
-                    gathering.see(target, surfaces, cameras[sample], sample)
-            if rows is None and self._ways.due(frame.scene):
-                cloth = self.stage.cloths[0]
-                self._ways.measure(frame.scene, cloth, *target.part(cloth))
-                self._ways.take(frame.scene, surfaces)
-            for finished in self._shade(target, surfaces, number, 1.0 / len(samples), total > 1, pace, frame):
-                yield done + finished, total
-            self._ways.drew(frame.scene)
-        self.stage.draw_hairs(target, frame)
-        if gathering is not None:
-            gathering.shaded(target)
-        if frame.scene.background:
-            self._background.draw(frame, target.framebuffer)
+        yield from self._passes.steps(frame, target, pace, gathering)
 
     def path_steps(
         self, frame: Frame, target: moderngl.Framebuffer, patience: Callable[[], float]
@@ -297,61 +265,6 @@ class Renderer:
     def draw_paths(self, target: moderngl.Framebuffer) -> None:
         """Draw the mean of the samples so far of the last `path_steps`."""
         self._paths.draw(target)
-
-    def _trace(self, pace: Pace) -> None:
-        """Trace the missing directions of the vertices, or as many as a first impression needs."""
-        seeing = [surface.visibility for surface in self.stage.surfaces]
-        if pace.preview:
-            for visibility in seeing:
-                visibility.preview()
-        elif total := sum(visibility.total() for visibility in seeing):
-            for _ in pace.tracked(self.stage.trace(), "shadows: directions", total):
-                pass
-
-    def _see(
-        self, target: Target, frame: Frame, offset: tuple[float, float], sample: tuple[int, int], pace: Pace
-    ) -> Iterator[None]:
-        """Draw the surfaces, and find the visibility of their pixels."""
-        for _ in target.draw(self.stage.surfaces, frame.camera, offset, pace.draw_rows(target.size)):
-            yield from pace.pause(self.ctx)
-        yield from self.stage.see(target, frame, sample, pace)
-
-    def _shade(
-        self, target: Target, surfaces: list[Surface], number: int, weight: float, add: bool, pace: Pace, frame: Frame
-    ) -> Iterator[bool]:
-        """Shade the surfaces, pass by pass; yields after each part whether the pass is finished."""
-        parts = [(surface, *part) for surface, part in target.parts(surfaces)]
-        target.clear_layers()
-        for surface, buffer, view in parts:
-            if surface.adaptive:
-                for _ in surface.shade_adaptively(buffer, view, pace):
-                    yield False
-        in_bands = [part for part in parts if not part[0].adaptive]
-        for band in pace.bands(target.size[1]) if in_bands else ():
-            for surface, buffer, view in in_bands:
-                surface.shade(buffer, view, number, weight, add, band)
-            if add or band is not None:
-                self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard between passes
-            last = band is None or sum(band) >= target.size[1]
-            if last:
-                self._composite(target, surfaces, number, weight, frame)
-            yield last
-        if not in_bands:
-            self._composite(target, surfaces, number, weight, frame)
-            yield True
-
-    def _composite(self, target: Target, surfaces: list[Surface], number: int, weight: float, frame: Frame) -> None:
-        """Add what is seen through cloth to the picture of a pass."""
-        if not target.layered:
-            return
-        if number == 0:
-            target.attenuate(surfaces)
-        environment = None
-        if frame.scene.background:
-            ray_from_pixel = target.part(surfaces[0]).buffer.ray_from_pixel
-            environment = self._background.inputs(frame, ray_from_pixel)
-        catches = any(surface.catches for surface in surfaces)
-        target.composite(weight if number == 0 else 0.0, environment, catches)
 
     def draw_background(self, frame: Frame, target: moderngl.Framebuffer | None = None) -> None:
         """Draw the environment behind the last draw, or behind a copy of it in another framebuffer of its size."""

@@ -72,22 +72,22 @@ def test_auto_takes_what_was_measured_as_faster_and_keeps_it(renderer, monkeypat
     monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path))
     scene = Scene(fabric="linen", mesh="plane", size=(256, 192), shadows="off", background=False)
     frame, small = (renderer.prepare(one, lights=LIGHTS) for one in (scene, scene.changed(size=(48, 36))))
-    monkeypatch.setattr(renderer, "_ways", Ways(renderer.ctx))
+    monkeypatch.setattr(renderer._passes, "ways", Ways(renderer.ctx))
     taken, times = [], {"fragment": 10.0, "compute": 8.0}
     monkeypatch.setattr(Ways, "_milliseconds", lambda self, run, way: run(way) or times[way])
     for one in (small, small, frame, frame):
         renderer.draw(one)
-        taken.append((renderer.facts()["shade"], renderer._ways.measured("direct") is not None))
+        taken.append((renderer.facts()["shade"], renderer._passes.ways.measured("direct") is not None))
     # Small pictures measure nothing, nor does the first pass of all.
     assert taken == [("fragment", False)] * 2 + [("compute", True)] * 2
-    assert renderer._ways.measured("direct").apart <= BOUND
+    assert renderer._passes.ways.measured("direct").apart <= BOUND
     # Another process reads it, and what is said goes before it; nothing is known of other methods.
     kept = Ways(renderer.ctx)
     assert kept.measured("direct").way == "compute" == kept.of(scene) and not kept.due(scene)
     assert kept.of(scene.changed(shade="fragment")) == kept.of(scene.changed(method="reference")) == "fragment"
     # Fragments go on where a driver does not compile the other, which is found out once.
     monkeypatch.setenv("GLCLOTH_CACHE", str(tmp_path / "other"))
-    monkeypatch.setattr(renderer, "_ways", Ways(renderer.ctx))
+    monkeypatch.setattr(renderer._passes, "ways", Ways(renderer.ctx))
     monkeypatch.setattr(Ways, "_compared", Mock(side_effect=ShaderError("covered.comp")))
     for _ in range(3):
         renderer.draw(frame)
