@@ -16,6 +16,7 @@ OPTIONS = frozenset(e.name for model in (Scene, View, CurtainParameters) for e i
     for name in LOOK
     if name in model.model_fields
 }
+OWN = (None, "", "auto")  # of options that say how a file is read: as the file itself says
 SEVERAL = frozenset(e.name for e in entries(Scene) if e.option and e.repeat)  # in lists
 
 
@@ -49,6 +50,16 @@ def _check_unread(scene: Scene, changes: dict[str, Any]) -> None:
     unread = [name for name in ("photons", "photon_neighbours") if name in changes]
     if unread and (scene.curtain is None or scene.gi != "photons"):
         raise InputError(f"--{unread[0].replace('_', '-')}: of gi photons; give --gi photons too, or leave it out")
+    if changes.get("light") == "map" and scene.method not in ("reference", "path"):
+        raise InputError("--light map: of methods reference and path; give --method reference too, or leave it out")
+    if (asked := next((name for name in ("layer", "env_layout") if changes.get(name) not in OWN), None)) is not None:
+        from ..light.environment import BUILT_IN  # the command line starts without it
+
+        if scene.env in BUILT_IN:
+            raise InputError(
+                f"--{asked.replace('_', '-')}: of an environment's file, and {scene.env} is built in; give --env FILE too, or "
+                "leave it out"
+            )
     if changes.get("behind_open") and scene.curtain is not None and not scene.curtain.behind:
         raise InputError("--behind-open: of a second curtain; give --behind FABRIC too, or leave it out")
 

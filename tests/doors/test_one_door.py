@@ -99,6 +99,9 @@ def test_frames_of_the_curtain_keep_their_scene(tmp_path):
         ({"noise": 1.0}, "--noise: of method path"),
         ({"denoise": True, "method": "direct"}, "--denoise: of method path"),
         ({"photons": 5000, "curtain": CurtainParameters()}, "--photons: of gi photons"),
+        ({"light": "map"}, "--light map: of methods reference and path"),
+        ({"layer": "sky"}, "--layer: of an environment's file, and studio is built in"),
+        ({"env_layout": "cross", "env": "sky"}, "--env-layout: of an environment's file, and sky is built in"),
         ({"behind_open": 1.0, "curtain": CurtainParameters()}, "--behind-open: of a second curtain"),
     ],
 )
@@ -106,4 +109,5 @@ def test_options_that_nothing_reads_are_one_line(changes, said):
     changes = dict(changes)
     with pytest.raises(InputError, match=said):
         with_options(Scene(curtain=changes.pop("curtain", None)), changes)
-    assert with_options(Scene(), {"noise": 1.0, "method": "path"}).noise == 1.0
+    assert with_options(Scene(), {"noise": 1.0, "method": "path", "light": "map"}).noise == 1.0
+    assert with_options(Scene(), {"layer": "sky", "env": "hall.exr"}).layer == "sky"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -115,7 +116,8 @@ class Direct(Method):
         self._broad_light.draw(lights.gaussians, broad)
         self._set_fabric(fabric, pool > 0, part)
         self._view_of = fabric, lobes, schedule, levels
-        self._view_made.get(lambda: self._make_view_table(*self._view_of), fabric, part, schedule, levels)
+        self._view_key = fabric, part, schedule, levels
+        self._view_made.get(lambda: self._draw_view_table(self._view), *self._view_key)
         self._evaluations = nodes * len(fabric.tangents) + pool * any_pooled + int(self._uniforms["broad_nodes"][1])
 
     # -- light -----------------------------------------------------------------------------------------------------
@@ -193,29 +195,27 @@ class Direct(Method):
         }
         return len(tangents) * count * pairs * 2
 
-    def _make_view_table(
-        self, fabric: Fabric, lobes: tuple[Lobes, Lobes], schedule: plan.Schedule, levels: Levels
+    def _draw_view_table(
+        self, table: ViewTable, defines: Mapping[str, Any] | None = None, sets: Sequence[dict[str, Any]] = ({},)
     ) -> None:
+        """Draw a table of what was prepared; `defines` beside those of the tangents; `sets`: as for `ViewTable.make`."""
+        fabric, lobes, schedule, levels = self._view_of
         groups, lanes, _ = self._variant
         record = _lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
         inputs = {"lobe_data": self._lobe_data, **self._uniforms, **self._of_view}
-        self._view.make(plan.view_size(schedule, fabric), levels, _defines(groups, lanes, True), inputs, record)
+        defines = {**_defines(groups, lanes, True), **(defines or {})}
+        table.make(plan.view_size(schedule, fabric), levels, defines, inputs, record, sets)
 
-    def _make_woven_table(
-        self, fabric: Fabric, lobes: tuple[Lobes, Lobes], schedule: plan.Schedule, levels: Levels
-    ) -> None:
+    def _draw_woven_table(self) -> None:
         """As the view table, without colours: a table each of tangents of negative, small and positive tilts, of the mean
         over those weighed by how near their tilts are."""
-        groups, lanes, _ = self._variant
-        record = _lobe_records(broad_nodes.FIXED_LEVEL, np.array([SKY_SHARPNESS]), np.ones(1), lobes, fabric)[0]
-        inputs = {"lobe_data": self._lobe_data, **self._uniforms, **self._of_view}
+        fabric, (groups, lanes, _) = self._view_of[0], self._variant
         yarn = np.array([tangent.yarn for tangent in fabric.tangents])
         sets = []
         for near in _bins(fabric):
             total = np.array([(fabric.weights[:, 1] * near)[yarn == j].sum() for j in (0, 1)])
             sets.append({"table_rel": packed(near / np.where(total > 0.0, total, 1.0)[yarn], groups, lanes)})
-        defines = {**_defines(groups, lanes, True), "WEAVE": 1, "LANE_COUNT": lanes}
-        self._woven_view.make(plan.view_size(schedule, fabric), levels, defines, inputs, record, sets)
+        self._draw_view_table(self._woven_view, {"WEAVE": 1, "LANE_COUNT": lanes}, sets)
 
     def _set_fabric(self, fabric: Fabric, pooled: bool, part: int | None) -> None:
         tangents = fabric.tangents
@@ -260,7 +260,7 @@ class Direct(Method):
 
     def woven_inputs(self) -> dict[str, Any]:
         """The tables of broad light, and which tangent counts how much in them."""
-        self._woven_made.get(lambda: self._make_woven_table(*self._view_of), *self._view_of, self._variant)
+        self._woven_made.get(self._draw_woven_table, *self._view_key)
         low, _, high = (packed(near, *self._variant[:2]) for near in _bins(self._view_of[0]))
         return {"view_table": self._woven_view.texture, "slot_low": low, "slot_high": high}
 
