@@ -100,9 +100,9 @@ class Frames:
         self.follow = False  # the next mesh with the same triangles is the next pose of a cloth that moves
         self._files: dict[Any, Last] = {}
         self._dressing = Dressing()
-        self._metres: Last[tuple[Mesh, ...]] = Last()
+        self._metres: Last[tuple[str, tuple[Mesh, ...]]] = Last()  # the unit of the files, and the meshes in metres
         self._smooth: Last[tuple[Mesh, ...]] = Last()
-        self._unit = "m"  # of the lengths in the cloths' files
+        self._unit = "m"  # of the lengths in the cloths' files, of this frame
         self._whole: Last[Mesh] = Last()
         self._fit: Last[Lights] = Last()
         self._rotated: Last[Lights] = Last()
@@ -135,6 +135,7 @@ class Frames:
         scene = scene.changed(**changes) if changes else scene
         if scene.curtain is not None:
             raise InputError("the curtain is traced and has no frame of passes; render it, or take `Renderer.show`")
+        self._unit = "m"
         meshes = tuple(one.mesh for one in cloths) or self._meshes(scene, mesh)
         if scene.subdivide and not cloths:
             read, times = meshes, scene.subdivide
@@ -152,17 +153,18 @@ class Frames:
         """The meshes of all cloth, in metres: those of a scene, or others."""
         names = scene.meshes if given is None else (given,) if isinstance(given, Mesh | str) else tuple(given)
         if len(meshes := tuple(name for name in names if isinstance(name, Mesh))) == len(names):
-            self._unit = "m"
             return meshes
         read = [n if isinstance(n, Mesh) else self._loaded(load_mesh, n, i) for i, n in enumerate(names)]
         files = tuple((str(name), mesh) for name, mesh in zip(names, read, strict=True) if not isinstance(name, Mesh))
-        own = iter(self._metres.get(lambda: self._in_metres(files, scene.units), files, scene.units))
+        self._unit, in_order = self._metres.get(lambda: self._in_metres(files, scene.units), files, scene.units)
+        own = iter(in_order)
         return tuple(name if isinstance(name, Mesh) else next(own) for name in names)
 
-    def _in_metres(self, files: Sequence[tuple[str, Mesh]], units: str) -> tuple[Mesh, ...]:
+    @staticmethod
+    def _in_metres(files: Sequence[tuple[str, Mesh]], units: str) -> tuple[str, tuple[Mesh, ...]]:
         names, meshes = [name for name, _ in files], [mesh for _, mesh in files]
-        self._unit = unit_of(names, meshes, units)
-        return in_metres(names, meshes, self._unit)
+        unit = unit_of(names, meshes, units)
+        return unit, in_metres(names, meshes, unit)
 
     def _dressed(self, scene: Scene, meshes: tuple[Mesh, ...], fabric: Fabric | str | Path | None) -> tuple[Cloth, ...]:
         """The cloths of a scene, or ones with another fabric where it names none for a part."""

@@ -225,7 +225,7 @@ class PathPictures:
         self.draw(target)
 
     def _take(self, frame: Frame) -> None:
-        self.tracer.take(self._world.get(lambda: world_of(frame), frame.cloths, frame.objects))
+        self.tracer.take(self._world.get(lambda: world_of(frame), frame.cloths, frame.objects, frame.scene.uv_scale))
 
     def pick(self, frame: Frame, x: float, y: float) -> Picked | None:
         """The cloth at a place of a frame's picture, as `picked.pick`: a ray looks, which goes through open places."""

@@ -15,7 +15,9 @@ from glcloth.geometry.mesh_files import load_mesh
 from glcloth.geometry.parts import chosen, grouped, joined, names_of
 from glcloth.geometry.placing import guessed_unit, placed
 from glcloth.geometry.props import load_solids
-from glcloth.picture.cloths import Dressing, load_meshes
+from glcloth.light.lights import Lights, SphericalGaussians
+from glcloth.picture.cloths import Cloth, Dressing, load_meshes
+from glcloth.picture.frame import Frames
 from glcloth.place import Place, split_place
 from glcloth.scene import Scene, load_scene, save_scene
 
@@ -141,6 +143,17 @@ def test_files_are_read_in_their_unit(tmp_path, dress, capfd):
         objects = load_solids([path, str(tmp_path / "box.glb"), "plane"], "cm")
         heights = [solid[0].bounds[1][1] for solid in objects]
         assert heights == pytest.approx([0.01, size / 2 * scale, 0.5])
+
+
+def test_a_session_reads_objects_in_the_unit_of_the_present_cloth(tmp_path, dress):
+    """Whatever cloth it had in between: one of metres, or the file's again, which is not read anew."""
+    (tmp_path / "big.obj").write_text(OBJ.replace("v 3", "v 170"))
+    path = str(tmp_path / "big.obj")
+    frames, sizes = Frames(), []
+    for given in ({"mesh": path}, {"mesh": dress}, {"mesh": path}, {"cloths": [Cloth(dress, load_fabric("linen"))]}):
+        mesh = frames.make(**given, objects=(path,), lights=Lights(SphericalGaussians([], [], []))).objects.meshes[0]
+        sizes.append(float(mesh.positions.max()))
+    assert sizes == pytest.approx([1.7, 170.0, 1.7, 170.0])
 
 
 def test_objects_stand_where_a_scene_says():
