@@ -19,9 +19,9 @@ import numpy as np
 import tomli_w
 from PIL import Image
 
-from glcloth import load_fabric
 from glcloth.curtain.room import load_room
 from glcloth.errors import InputError
+from glcloth.fabric import FABRICS, load_fabric
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh, load_solid, save_mesh
 from glcloth.image import read_image, write_image
@@ -359,11 +359,10 @@ def _jpg(folder: Path) -> list[Path]:
 
 
 def _fabric(folder: Path) -> list[Path]:
-    source = Path(load_fabric.__code__.co_filename).parent / "fabrics"
     out = []
     for name in ("linen", "sheer_voile", "velvet", "silk_shot"):
         out.append(folder / f"{name}.toml")
-        out[-1].write_bytes((source / f"{name}.toml").read_bytes())
+        out[-1].write_bytes((FABRICS / f"{name}.toml").read_bytes())
     return out
 
 
@@ -438,10 +437,10 @@ def _new_scene(folder: Path) -> list[Path]:
 
 def _weave(folder: Path) -> list[Path]:
     """Fabrics whose geometry follows from a [weave]: hairs, holes, figures, colours, a curve's tangents."""
-    source, out = Path(load_fabric.__code__.co_filename).parent / "fabrics", []
+    out = []
     for name in ("flannel", "lace", "damask", "tartan", "denim_raw"):
         out.append(folder / f"{name}.toml")
-        out[-1].write_bytes((source / f"{name}.toml").read_bytes())
+        out[-1].write_bytes((FABRICS / f"{name}.toml").read_bytes())
     return out
 
 

@@ -31,7 +31,7 @@ def scene_document() -> str:
         "# Scenes",
         "Everything that determines a picture. A scene file (.toml) holds these fields, `glcloth render` has\n"
         "them as options, `Scene.changed` and `Renderer.render` take them as keywords, and a picture keeps\nthem.",
-        "Made from the fields in `glcloth/scene.py` by `python -m glcloth.cli.generate`.",
+        "Made from the fields in `glcloth/scene` by `python -m glcloth.cli.generate`.",
         _table("Every scene", [e for e in fields if kind_of(e.name) == "" or e.name == "curtain"]),
         _table("Cloth under an environment", [e for e in fields if kind_of(e.name) == "cloth"]),
         _table("The curtain", [e for e in fields if kind_of(e.name) == "curtain" and e.name != "curtain"]),
@@ -53,7 +53,7 @@ def fabric_document() -> str:
         "A fabric is a `.toml` file: a few words about the whole, two `[[yarn]]` blocks, the warp first, and if\n"
         "you like a `[weave]` and a `[transmission]`. [Every parameter, near and far](parameters.md) shows what\n"
         "each number does, [your fabric](own_fabric.md) how to begin.",
-        f"Made from the fields in `glcloth/fabric.py` and `glcloth/weave/model.py` by `{COMMAND}`.",
+        f"Made from the fields in `glcloth/fabric` and `glcloth/weave/model.py` by `{COMMAND}`.",
         _short_table("The whole", own),
         _short_table("Each `[[yarn]]`", entries(Yarn)),
         "A yarn has a curve (`curve_angles_deg`, `curve_lengths`, `samples`) or `tangents_deg`. With a `[weave]`\n"

@@ -6,299 +6,37 @@ docs/scene.md; after a change `python -m glcloth.cli.generate` writes the last t
 
 from __future__ import annotations
 
-import difflib
 import math
-import os
-import shlex
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import ConfigDict, Field, field_validator, model_serializer, model_validator
+from pydantic import ConfigDict, field_validator, model_serializer, model_validator
 
-from . import __version__
-from .color import Transform, is_hex, srgb_decode, whole_hex
-from .errors import InputError, short
-from .fabric import Fabric
-from .fields import Value, about, entries
-from .files import PACKAGE, atomic_write, is_file, path_of, read_toml
-from .ocio import ocio_view
-from .place import FARTHEST, Place, split_place
+from ..color import Transform, is_hex, whole_hex
+from ..errors import short
+from ..fabric import Fabric
+from ..fields import Value, about, entries
+from ..files import is_file
+from ..ocio import ocio_view
+from ..place import FARTHEST, Place, split_place
+from .curtain_parameters import CurtainParameters
+from .kinds import Share, Vec3, option
+from .maps import MAPS, FabricMaskMap, OpacityMap, PrintMap
+from .view import Bookmark, View
 
-if TYPE_CHECKING:
-    from .geometry.camera import Camera
-
-SCENES = PACKAGE / "scenes"
 Kind = Literal["cloth", "curtain"]
 MethodName = Literal["direct", "paper", "reference"]  # of cloth under an environment
 Quality = Literal["draft", "normal", "high"]
 ShadowMode = Literal["off", "sun", "full"]
-Vec3 = tuple[float, float, float]
-Share = Annotated[float, Field(ge=0, le=1)]
 # Defaults of a curtain's scene: it is traced in a room, before a sky.
 CURTAIN = {
     "fabric": "sheer_voile", "env": "sky", "env_rotate": 90.0, "size": (640, 640), "method": "trace", "exposure": 1.5
 }  # fmt: skip
-option = partial(about, option=True)
 cloth, curtain = partial(option, of="cloth"), partial(option, of="curtain")
 direct, paper, reference, path = (partial(option, of=method) for method in ("direct", "paper", "reference", "path"))
-MAPS = {"print": "prints", "opacity": "opacities", "fabric_mask": "fabric_masks"}  # of all cloth, and of its parts
 KINDS = {"cloth": "cloth under an environment", "curtain": "the curtain"}
-
-
-class View(Value):
-    """The camera of a scene; missing values follow from the mesh, or are those of the curtain's room."""
-
-    model_config = ConfigDict(title="camera")
-
-    # fmt: off
-    view: str | None = option(
-        "", "framed by the size of the cloth: front, three-quarter, side, back, close; or a camera of the mesh's .glb or "
-        ".gltf file by its name, or file for its only one", default=None)
-    eye: Vec3 | None = option("m", "where the camera is, X,Y,Z", default=None)
-    target: Vec3 | None = option("m", "what it looks at, X,Y,Z", default=None)
-    up: Vec3 | None = option("", "direction that is up in the picture, X,Y,Z; none: +Y, or as the view has it", default=None)
-    fov_deg: float | None = about(
-        "degrees", "angle of view, from top to bottom", default=None, option="--fov", ge=1, le=170)
-    ortho: float | None = option(
-        "m", "parallel rays instead of an angle of view: height of the picture", default=None, gt=0, le=1e6)
-    aperture: float = option(
-        "m", "diameter of the lens, which blurs what is not at the focus; by the samples per pixel", default=0.0, ge=0, le=10)
-    focus: float | None = option(
-        "m", "distance along the view of what is sharp; none: that of the target", default=None, gt=0, le=1e6)
-    # fmt: on
-
-    @classmethod
-    def of(cls, camera: Camera) -> View:
-        """A camera as a scene keeps it."""
-        angle = {"fov_deg": camera.fov_deg} if camera.ortho is None else {"ortho": camera.ortho}
-        lens = {"aperture": camera.aperture} if camera.aperture else {}
-        focus = {} if camera.focus is None else {"focus": camera.focus}
-        return cls(eye=camera.eye, target=camera.target, up=camera.up, **angle, **lens, **focus)
-
-    def over(self, base: Camera) -> Camera:
-        """The camera, its missing values taken from another. Raises InputError where they do not go together."""
-        from .geometry.camera import Camera
-
-        ortho = self.ortho or (base.ortho if self.fov_deg is None else None)
-        place = self.eye or base.eye, self.target or base.target, self.up or base.up
-        return Camera(*place, self.fov_deg or base.fov_deg, ortho, self.aperture, self.focus)
-
-    @field_validator("eye", "target", "up", mode="before")
-    @classmethod
-    def _numbers(cls, value):
-        if not isinstance(value, str):
-            return value
-        try:
-            numbers = tuple(float(v) for v in value.split(","))
-        except ValueError:
-            numbers = ()
-        if len(numbers) != 3 or not all(map(math.isfinite, numbers)):
-            raise ValueError(f"expected X,Y,Z such as 0,1.5,3, not {value!r}")
-        return numbers
-
-
-class ClothMap(Value):
-    """A picture over the UVs of cloth, which repeats; its upper edge is at growing v."""
-
-    file: str = about("", "PNG, JPEG, OpenEXR or Radiance picture", min_length=1)
-    repeat: float = about(
-        "", "how much of the cloth one repeat covers, along u; in metres it keeps its proportions along v",
-        default=1.0, gt=0, le=1e6,
-    )  # fmt: skip
-    unit: Literal["uv", "m"] = about(
-        "", "of the repeat: UV units, where it is as high as wide, or metres", default="uv"
-    )
-
-
-class PrintMap(ClothMap):
-    """A print: what it multiplies the colours of the yarns by."""
-
-    model_config = ConfigDict(title="print")
-
-    space: Literal["srgb", "linear"] = about(
-        "", "of the codes in a PNG or JPEG: sRGB, or linear; OpenEXR and Radiance are always linear", default="srgb")  # fmt: skip
-
-
-class OpacityMap(ClothMap):
-    """Where cloth is: the alpha of a picture that has some, else its codes, as they are; 0 is open."""
-
-    model_config = ConfigDict(title="opacity")
-
-
-class FabricMaskMap(ClothMap):
-    """Which fabric a place has: that of the listed colour nearest to the picture's codes there; the part's own where none is
-    within a quarter of their range."""
-
-    model_config = ConfigDict(title="fabric_mask")
-
-
-class Bookmark(Value):
-    """A camera under a name."""
-
-    model_config = ConfigDict(title="bookmark")
-
-    name: str = about("", "of the bookmark", min_length=1)
-    camera: View = about("", "the camera, a table")
-
-
-# Of each heading: length of rail that a fold takes (m), cells across it, irregularity.
-FOLDS = {
-    "tape": (2.5 / 13, 158 / 13, 0.2), "rings": (2.5 / 13, 158 / 13, 0.2), "pencil": (0.1, 10.0, 0.4),
-    "eyelet": (0.16, 12.0, 0.03), "rod": (0.09, 10.0, 0.2),
-}  # fmt: skip
-NARROWEST = 0.2  # m, half of a pair
-ABOVE_ROD = 0.07  # m, that cloth on a rod stands above the rail's height, which is just under the rod
-
-
-def color_of(text: str) -> tuple[float, ...]:
-    """Linear Rec. 709 of R,G,B (linear), of #rrggbb or of a colour's name (sRGB). Raises ValueError."""
-    from PIL import ImageColor
-
-    parts = text.split(",")
-    try:
-        if len(parts) == 3:
-            return tuple(float(part) for part in parts)
-        return tuple(float(srgb_decode(code / 255.0)) for code in ImageColor.getrgb(text)[:3])
-    except ValueError:
-        raise ValueError(f"expected R,G,B from 0 to 1, #rrggbb or a colour's name, not {short(text)}") from None
-
-
-def _sewn(width: float, drop: float, fullness: float, heading: str, pleats: int | None = None) -> dict[str, Any]:
-    """What follows for a curtain: pleats, if they are not said, cells of the grid, irregularity."""
-    fold, across, irregularity = FOLDS[heading]
-    pleats = pleats or max(1, round(width / fold))
-    quads = max(6 * pleats, round(across * max(1.0, fullness / 2.6) * pleats)), max(6, round(40 * drop / 2.3))
-    return {"pleats": pleats, "quads": quads, "irregularity": irregularity}
-
-
-class CurtainParameters(Value):
-    """A curtain on a rail along x, the window in the plane z = 0 behind it, the floor at y = 0; SI units."""
-
-    model_config = ConfigDict(title="curtain")
-
-    # fmt: off
-    width: float = option("m", "length of the rail", default=2.5, gt=0)
-    top: float = about("m", "height of the rail", default=2.41)
-    clearance: float = about("m", "from the window to the backs of the folds", default=0.06, gt=0, slider=(0.02, 0.5))
-    drop: float = option("m", "length of the cloth", default=2.3, gt=0, slider=(0.5, 2.4))
-    fullness: float = option("", "width of the cloth over that of the rail", default=1.8, ge=1, le=4, slider=(1.0, 3.0))
-    pleats: int = about(
-        "", "folds along the rail, at least six quads each; where it is not said, as width and heading ask for", default=13,
-        ge=1, slider=(3, 24))
-    irregularity: float = about("", "how unequal the folds are", default=0.2, ge=0, le=1)
-    quads: tuple[int, int] = about(
-        "", "cells of the grid along the rail and down the cloth; where it is not said, as the pleats and the drop ask for",
-        default=(158, 40))
-    heading: Literal["tape", "rings", "pencil", "eyelet", "rod"] = option(
-        "", "tape holds the whole upper edge in deep folds, pencil in narrow ones; rings hold the front of each fold; with "
-        "eyelet even folds, with rod narrow gathers stand about the rod, and a little above it", default="tape")
-    color: tuple[Share, Share, Share] | None = option(
-        "linear Rec. 709", "colour of the cloth instead of its fabric's own, which colours what shines through as well: R,G,B, "
-        "#rrggbb, or a name such as crimson; none: the fabric's", default=None)
-    open: float = option(
-        "m", "the curtain is a pair, drawn so far apart in the middle; 0: one piece", default=0.0, ge=0, slider=(0.0, 2.0))
-    behind: str | Fabric = option(
-        "", "fabric of a second curtain between this one and the window, such as blackout behind a sheer; none: there is "
-        "none", default="", file=True)
-    behind_open: float = option(
-        "m", "the second curtain is a pair, drawn so far apart in the middle; 0: one piece", default=0.0, ge=0,
-        slider=(0.0, 2.0))
-    behind_color: tuple[Share, Share, Share] | None = about(
-        "linear Rec. 709", "of the second curtain, as color", default=None)
-    behind_fullness: float = about("", "of the second curtain, as fullness", default=1.8, ge=1, le=4, slider=(1.0, 3.0))
-    behind_mass: float = about("kg/m\u00b2", "of the second curtain", default=0.2, gt=0, slider=(0.02, 0.6))
-    mass: float = about("kg/m\u00b2", "of the cloth; sheers 0.03 to 0.1", default=0.06, gt=0, slider=(0.02, 0.6))
-    stretch: float = about(
-        "N/m", "how stiff the threads are along themselves", default=3000.0, gt=0, slider=(200.0, 20000.0), log=True)
-    shear: float = about("N/m", "how stiff the weave is on the bias", default=15.0, slider=(0.0, 200.0))
-    bending: float = about("N m", "how stiff the cloth is to bend", default=3e-5, slider=(1e-6, 9e-4), log=True)
-    hem: float = about("", "how much heavier the lowest row is", default=2.0, gt=0, slider=(1.0, 20.0))
-    wind: float = option(
-        "m/s", "wind into the room, perpendicular to the window; animate: along the built-in cloth", default=0.5, ge=-20,
-        le=20, slider=(-3.0, 3.0))
-    gustiness: float = about("", "share of the wind that comes and goes", default=1.0, ge=0, le=1)
-    openness: float = about(
-        "", "share of the cloth that lets air through, if its fabric does not say", default=0.35, ge=0, le=1)
-    damping: float = about("1/s", "how fast motion dies away", default=0.6, slider=(0.0, 4.0))
-    settle: float = about("s", "without wind before the first frame", default=1.5, ge=0, le=60, slider=(0.0, 5.0))
-    # fmt: on
-
-    @model_validator(mode="before")
-    @classmethod
-    def _as_it_is_sewn(cls, data: Any) -> Any:
-        """What follows from width, drop and heading where it is not said."""
-        if not isinstance(data, dict) or not data.keys() & {"width", "drop", "heading"}:
-            return data
-        sizes = {name: data.get(name, cls.model_fields[name].default) for name in ("width", "drop", "fullness")}
-        heading = data.get("heading", "tape")
-        if (
-            not isinstance(heading, str)
-            or heading not in FOLDS
-            or not all(isinstance(v, int | float) and 0 < v < 1e6 for v in sizes.values())
-        ):
-            return data
-        pleats = data.get("pleats")
-        own = _sewn(**sizes, heading=heading, pleats=pleats if isinstance(pleats, int) else None)
-        return {**{name: value for name, value in own.items() if value != cls.model_fields[name].default}, **data}
-
-    @model_validator(mode="after")
-    def _still_unsaid(self):
-        """What followed follows anew where another width, drop or heading is said."""
-        own = _sewn(self.width, self.drop, self.fullness, self.heading, self.pleats) | {
-            "pleats": _sewn(self.width, self.drop, self.fullness, self.heading)["pleats"]
-        }
-        for name, value in own.items():
-            if getattr(self, name) == value:
-                self.__pydantic_fields_set__.discard(name)
-        return self
-
-    @field_validator("color", "behind_color", mode="before")
-    @classmethod
-    def _color(cls, value):
-        return color_of(value) if isinstance(value, str) else value
-
-    @property
-    def upper(self) -> float:
-        """Height of the cloth's upper edge, m."""
-        return self.top + (ABOVE_ROD if self.heading in ("eyelet", "rod") else 0.0)
-
-    @model_validator(mode="after")
-    def _folds_on_the_grid(self):
-        if not self.drop <= self.upper - 0.009:
-            raise ValueError(
-                f"drop = {self.drop:g}: the rail is at {self.upper:g} m, expected at most {self.upper - 0.01:.3g}, a "
-                "centimetre above the floor; change drop or top"
-            )
-        if min(self.quads) < 6:
-            raise ValueError(f"quads = {self.quads}, must be 6 or more each; change them")
-        for name in ("open", "behind_open"):
-            if getattr(self, name) > self.width - 2 * NARROWEST:
-                raise ValueError(
-                    f"{name} = {getattr(self, name):g}: the rail is {self.width:g} m long, expected at most "
-                    f"{max(0.0, self.width - 2 * NARROWEST):.3g}, {100 * NARROWEST:g} cm for each half; change it or width"
-                )
-        if self.pleats > self.quads[0] // 6:
-            raise ValueError(
-                f"pleats = {self.pleats} on {self.quads[0]} quads, must be 1 to {self.quads[0] // 6}, six quads each; "
-                "change one of them"
-            )
-        return self
-
-    def with_triangles(self, count: int) -> CurtainParameters:
-        """Return a curtain of about `count` triangles in the same proportions, with as many pleats as they can show."""
-        if count < 144:
-            raise InputError(f"curtain: {count} triangles, expected 144 or more")
-        across = max(12, round(math.sqrt(count / 2 * self.quads[0] / self.quads[1])))
-        return self.changed(
-            quads=(across, max(6, round(count / 2 / across))), pleats=max(1, min(self.pleats, across // 12))
-        )
-
-    @property
-    def triangle_count(self) -> int:
-        """How many triangles a curtain of one piece has."""
-        return 2 * self.quads[0] * self.quads[1]
 
 
 class Scene(Value):
@@ -603,7 +341,7 @@ class Scene(Value):
 
     def stored(self) -> dict:
         """Its plain values as a picture keeps them: files by their whole path, so that it renders from any folder."""
-        return _with_paths(self.model_dump(mode="json", exclude_none=True), _whole)
+        return with_paths(self.model_dump(mode="json", exclude_none=True), _whole)
 
     def differences(self) -> dict:
         """The plain values that differ from those of a new scene of its kind, as a file or a script holds them."""
@@ -627,7 +365,7 @@ def kind_of(name: str) -> Kind | Literal[""]:
     return "" if of == "path" else of if of in ("", "curtain") else "cloth"
 
 
-def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
+def with_paths(data: dict, change: Callable[[str], str]) -> dict:
     """Plain values of a scene whose names and files have gone through `change`."""
 
     def changed(value: Any) -> Any:
@@ -654,89 +392,3 @@ def _with_paths(data: dict, change: Callable[[str], str]) -> dict:
 
 def _whole(name: str) -> str:
     return str(Path(name).resolve()) if is_file(name) else name
-
-
-def _is_path(name: str) -> bool:
-    """Whether a name is none of the built-in ones, which have neither folder nor suffix, or are a URI (ocio://default)."""
-    return "://" not in name and (Path(name).suffix != "" or len(Path(name).parts) > 1)
-
-
-def _beside(folder: Path, name: str) -> str:
-    """A path that a file in `folder` holds."""
-    return str(folder / name) if _is_path(name) else name
-
-
-def _from(folder: Path, name: str) -> str:
-    """A path as a file in `folder` holds it: relative to it where it lies below, else whole."""
-    if not _is_path(name):
-        return name
-    path = Path(os.path.realpath(name))
-    return path.relative_to(folder).as_posix() if path.is_relative_to(folder) else str(path)
-
-
-def builtin_scenes() -> list[str]:
-    """Names of the scenes that come with glcloth."""
-    return sorted(path.stem for path in SCENES.glob("*.toml"))
-
-
-def load_scene(name_or_path: str | Path | Scene) -> Scene:
-    """Return a built-in scene, one read from a TOML file (its paths are relative to it), or the one that a picture of ours was
-    rendered from.
-
-    Raises InputError for an unknown name (with a suggestion), a malformed file, or a picture without a scene in it.
-    """
-    if isinstance(name_or_path, Scene):
-        return name_or_path
-    text, path = str(name_or_path), path_of(name_or_path)
-    folder = path.parent
-    if path.suffix.lower() in (".exr", ".png"):
-        return Scene.parse(_of_picture(path), text)
-    if path.suffix != ".toml":
-        names = builtin_scenes()
-        if text not in names and path.is_file():
-            raise InputError(
-                f"{path}: not a scene, expected .toml, .exr or .png; for a mesh use --mesh, a fabric --fabric, a map --env"
-            )
-        if text not in names:
-            close = difflib.get_close_matches(text.lower(), names, 1, 0.4)
-            hint = f'; did you mean "{close[0]}"?' if close else ""
-            raise InputError(
-                f'scene "{text}": not a built-in scene ({", ".join(names)}) and not a .toml, .exr or .png file{hint}'
-            )
-        path, folder = SCENES / f"{text}.toml", Path()
-    data = read_toml(path, "a scene file (.toml)")
-    if "yarn" in data:
-        raise InputError(f"{path}: a fabric and not a scene; use --fabric {shlex.quote(text)}")
-    return Scene.parse(_with_paths(data, partial(_beside, folder)), text)
-
-
-def _of_picture(path: Path) -> dict:
-    """The plain values of the scene that a picture keeps."""
-    from .image import read_settings
-
-    settings = read_settings(path) or {}
-    if isinstance(settings.get("scene"), dict):
-        return settings["scene"]
-    if isinstance(settings.get("curtain"), dict):  # as glcloth wrote it before there was one kind of scene
-        return {**settings["curtain"], **({"frame": settings["frame"]} if "frame" in settings else {})}
-    raise InputError(
-        f"{path}: holds no glcloth scene; give a picture that glcloth rendered, or a scene file (.toml); for a map use --env"
-    )
-
-
-def header(scene: Scene) -> dict:
-    """The scene as its picture keeps it, for `write_image`; `load_scene` reads it back."""
-    return {"glcloth": __version__, "scene": scene.stored()}
-
-
-def save_scene(path: str | Path, scene: Scene, comment: str = "") -> None:
-    """Write a scene file that `load_scene` reads back to an equal Scene, but for how paths are written: they are relative
-    to the file, or whole. A comment, a whole line, stands first. Raises InputError if it cannot be written."""
-    import tomli_w
-
-    # A curtain that does not say its frame begins in the window where its wind does.
-    unsaid = {"frame"} - scene.model_fields_set
-    data = scene.model_dump(mode="json", exclude_none=True, exclude=unsaid)
-    data = _with_paths(data, partial(_from, Path(os.path.realpath(path_of(path))).parent))
-    with atomic_write(path) as temporary:
-        temporary.write_text(comment + tomli_w.dumps(data), encoding="utf-8")
