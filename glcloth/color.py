@@ -5,13 +5,12 @@ Everything here works on linear Rec. 709 arrays [..., 3] and returns display cod
 
 from __future__ import annotations
 
-import difflib
 import re
 from collections.abc import Callable
 
 import numpy as np
 
-from .errors import InputError
+from .errors import InputError, meant
 
 # ITU-R BT.709-6, item 3.2.
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -118,8 +117,7 @@ def hex_codes(text: str) -> tuple[float, float, float]:
 def known_transform(name: str) -> str:
     """The name, if it is one of VIEW_TRANSFORMS. Raises InputError on another."""
     if name not in VIEW_TRANSFORMS:
-        near = difflib.get_close_matches(str(name), VIEW_TRANSFORMS, 1)
-        hint = f"did you mean {near[0]}? " if near else ""
+        hint = meant(str(name), VIEW_TRANSFORMS)
         raise InputError(f"view transform {name!r}: unknown; {hint}choose one of {', '.join(VIEW_TRANSFORMS)}")
     return name
 

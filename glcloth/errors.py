@@ -1,5 +1,8 @@
 """The errors a user may meet; the doors turn them into one line and an exit code."""
 
+import difflib
+from collections.abc import Iterable
+
 
 class DriverError(RuntimeError):
     """OpenGL refused something while a picture was made; the picture is not to be trusted. Exit code 1."""
@@ -30,6 +33,13 @@ def short(value: object) -> str:
     except (ValueError, RecursionError):  # a whole number of thousands of digits, or a very deep list
         text = f"a very large {type(value).__name__}"
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def meant(name: str, names: Iterable[str], said: str = "did you mean {}? ") -> str:
+    """What an error says of a name that is none of `names`: the one that is most like it, whatever its case; or nothing."""
+    known = {one.casefold(): one for one in names}
+    close = difflib.get_close_matches(name.casefold(), known, 1, 0.5)
+    return said.format(known[close[0]]) if close else ""
 
 
 class InputError(ValueError):

@@ -3,7 +3,6 @@ sliders and documents are made from that."""
 
 from __future__ import annotations
 
-import difflib
 import types
 from dataclasses import dataclass
 from pathlib import PurePath
@@ -12,7 +11,7 @@ from typing import Annotated, Any, Literal, Self, Union, get_args, get_origin
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
-from .errors import InputError, short
+from .errors import InputError, meant, short
 
 SMALLEST, LARGEST = 1e-15, 1e15  # sizes of numbers that a shader may square
 
@@ -247,8 +246,7 @@ def first_problem(error: ValidationError, model: type[BaseModel]) -> str:
     kind, value = problem["type"], problem.get("input")
     if kind == "extra_forbidden":
         known = list(inner.model_fields)
-        close = difflib.get_close_matches(str(problem["loc"][-1]), known, 1, 0.5)
-        hint = f"did you mean {close[0]}?" if close else f"known keys: {', '.join(known)}"
+        hint = meant(str(problem["loc"][-1]), known, "did you mean {}?") or f"known keys: {', '.join(known)}"
         text = f"{where}: unknown key; {hint}"
     elif kind == "missing":
         text = f"{where}: is missing; add it"

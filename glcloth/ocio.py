@@ -5,7 +5,6 @@ A config is a file (.ocio, .ocioz) or one that is built into OpenColorIO (ocio:/
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .errors import InputError
+from .errors import InputError, meant
 from .progress import warn
 
 # What configs call linear Rec. 709, the ACES ones by their aliases.
@@ -113,9 +112,7 @@ def ocio_view(config: str = "", display: str = "", view: str = "") -> OcioView |
 def _named(what: str, name: str, known: Iterable[str], where: str) -> str:
     if name in known:
         return name
-    close = difflib.get_close_matches(name.lower(), [k.lower() for k in known], 1, 0.4)
-    near = next((k for k in known if close and k.lower() == close[0]), None)
-    hint = f"did you mean {near}? " if near else ""
+    hint = meant(name, known)
     raise InputError(f"{what} {name!r}: {where} has none of this name; {hint}it has {', '.join(known)}")
 
 

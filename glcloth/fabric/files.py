@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..files import PACKAGE, atomic_write, path_of, read_toml
 from ..progress import warn
 from ..weave.model import Weave
@@ -64,8 +63,7 @@ def load_fabric(name_or_path: str | Path | Fabric) -> Fabric:
         if text in names:
             path = FABRICS / f"{text}.toml"
         else:
-            close = difflib.get_close_matches(text.lower(), names, 1, 0.4)
-            hint = f'; did you mean "{close[0]}"?' if close else ""
+            hint = meant(text, names, '; did you mean "{}"?')
             raise InputError(
                 f'fabric "{text}": not a built-in fabric ({", ".join(names)}) and not a .toml or .wif file{hint}'
             )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import difflib
 import functools
 import itertools
 import json
@@ -17,7 +16,7 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from ..color import luminance
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..fabric import Yarn, load_fabric
 from ..files import atomic_write
 from ..image import read_image, write_image
@@ -112,10 +111,8 @@ def parse_vary(texts: Sequence[str]) -> tuple[tuple[str, ...], tuple[tuple[Any, 
         name = name.strip().lstrip("-").replace("-", "_")
         name = {"object": "objects", "fov": "fov_deg"}.get(name, name)
         if name not in known:
-            near = difflib.get_close_matches(name, known, 1, 0.5)
-            hint = f"did you mean {near[0]}? " if near else ""
             raise InputError(
-                f"--vary {text}: no parameter {name}; {hint}an option of render, or {sorted(known)[-1]} and so on"
+                f"--vary {text}: no parameter {name}; {meant(name, known)}an option of render, or {sorted(known)[-1]} and so on"
             )
         if not equals or not said.strip():
             raise InputError(f"--vary {text}: expected values, such as {name}=A,B or {name}=0:180:30")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..files import PACKAGE, atomic_write, path_of, read_bytes
 from ..progress import warn
 from . import shapes
@@ -89,8 +88,7 @@ def _load(name_or_path: str | Path, colored: bool) -> _Loaded:
     if str(name_or_path) in names and path.parent == Path("."):
         return _builtin_with_colors(str(name_or_path))
     if not path.suffix and not path.exists():
-        close = difflib.get_close_matches(str(name_or_path), names, 1)
-        hint = f"did you mean {close[0]}?" if close else f"built in are {', '.join(names)}; or give a file"
+        hint = meant(str(name_or_path), names, "did you mean {}?") or f"built in are {', '.join(names)}; or give a file"
         raise InputError(f"mesh {name_or_path}: neither a built-in mesh nor a file; {hint}")
     if path.is_dir():
         raise InputError(f"{path}: is a folder, expected a mesh file ({', '.join(MESH_SUFFIXES)})")

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 from pyrr import vector
 
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..files import is_file, read_bytes
 from .camera import Camera
 from .gltf import BROKEN, Document
@@ -60,10 +59,8 @@ def view_by_name(
         name = next(iter(known))
     if name not in known:
         names = [*DIRECTIONS, *known]
-        close = difflib.get_close_matches(name, names, 1)
-        hint = f"did you mean {close[0]}? " if close else ""
         has = f"{path} has {len(known)} cameras; " if path.suffix.lower() in CAMERA_FILES else ""
-        raise InputError(f"camera: view {name!r}: unknown; {has}{hint}expected {', '.join(names)}")
+        raise InputError(f"camera: view {name!r}: unknown; {has}{meant(name, names)}expected {', '.join(names)}")
     return _toward(_scaled(known[name], scale), points)
 
 

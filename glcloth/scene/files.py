@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import shlex
 from functools import partial
 from pathlib import Path
 
 from .. import __version__
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..files import PACKAGE, atomic_write, path_of, read_toml
 from .scene import Scene, with_paths
 
@@ -58,8 +57,7 @@ def load_scene(name_or_path: str | Path | Scene) -> Scene:
                 f"{path}: not a scene, expected .toml, .exr or .png; for a mesh use --mesh, a fabric --fabric, a map --env"
             )
         if text not in names:
-            close = difflib.get_close_matches(text.lower(), names, 1, 0.4)
-            hint = f'; did you mean "{close[0]}"?' if close else ""
+            hint = meant(text, names, '; did you mean "{}"?')
             raise InputError(
                 f'scene "{text}": not a built-in scene ({", ".join(names)}) and not a .toml, .exr or .png file{hint}'
             )

@@ -7,14 +7,13 @@ vertices of the simulation; `load_mesh` lays a B-spline surface over these.
 from __future__ import annotations
 
 import dataclasses
-import difflib
 from collections.abc import Callable
 from typing import Any, Literal
 
 import moderngl
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..geometry.supports import FORM, HEAD, PEDESTAL, WAIST, WAIST_AXES
 from ..progress import track
 from .cloth import Cloth, ClothParameters
@@ -136,8 +135,7 @@ PIECES = {
 def check_piece(name: str) -> None:
     """Raise InputError for an unknown piece."""
     if name not in PIECES:
-        close = difflib.get_close_matches(name, ("drape", *PIECES), 1)
-        hint = f"; did you mean {close[0]}?" if close else ""
+        hint = meant(name, ("drape", *PIECES), "; did you mean {}?")
         raise InputError(f"drape {name}: unknown, expected drape, {', '.join(PIECES)}{hint}")
 
 
