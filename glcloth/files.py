@@ -157,16 +157,16 @@ _KEY = r"""(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+"""
 _TOO_DEEP = re.compile(rf"(?:\[\s*+){{{DEEPEST}}}|(?<![\w-])(?:{_KEY}){{{DEEPEST}}}")
 
 
-def read_text(path: str | Path, expected: str, most: int = MOST_TEXT) -> str:
-    """The text of a file of at most `most` bytes; `expected` names in errors what it should be. Raises InputError."""
+def read_text(path: str | Path, expected: str) -> str:
+    """The text of a file of at most MOST_TEXT bytes; `expected` names in errors what it should be. Raises InputError."""
     path = Path(path)
     try:
         if path.exists() and not path.is_file():
             raise InputError(f"{path}: is a folder, a pipe or a device; expected {expected}")
         with open(path, "rb") as file:
-            data = file.read(most + 1)
-        if len(data) > most:
-            raise InputError(f"{path}: is larger than {most / 1e6:.0f} MB, more than is read; expected {expected}")
+            data = file.read(MOST_TEXT + 1)
+        if len(data) > MOST_TEXT:
+            raise InputError(f"{path}: is larger than {MOST_TEXT / 1e6:.0f} MB, more than is read; expected {expected}")
         return data.decode("utf-8")
     except InputError:
         raise

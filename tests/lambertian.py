@@ -45,8 +45,9 @@ class LambertianReference(Reference):
             text = text.replace(ORIGIN, FLAT_ORIGIN)
         return text.replace(FABRIC, BRDF)
 
-    def diffuse_albedo(self, fabric):
-        return self.lambertian
+    def prepare(self, *what, **part):
+        super().prepare(*what, **part)
+        self.albedo = self.lambertian if self.bounces else self.albedo
 
     def inputs(self):
         return {**super().inputs(), "albedo": tuple(self.lambertian)}

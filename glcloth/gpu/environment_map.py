@@ -14,15 +14,13 @@ class EnvironmentMap:
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
-        self._texture: Last[moderngl.Texture] = Last()
+        self._texture: Last[moderngl.Texture] = Last(frees=True)
 
     def texture(self, environment: Environment) -> moderngl.Texture:
         """The equirectangular texture of an environment; the one before is freed."""
         return self._texture.get(lambda: self._made(environment), environment)
 
     def _made(self, environment: Environment) -> moderngl.Texture:
-        if self._texture.value is not None:
-            self._texture.value.release()
         height, width = environment.radiance.shape[:2]
         data = np.ascontiguousarray(environment.radiance, "f4").tobytes()
         texture = self.ctx.texture((width, height), 3, data, dtype="f4", alignment=4)
@@ -32,5 +30,4 @@ class EnvironmentMap:
 
     def release(self) -> None:
         """Free the texture."""
-        if self._texture.value is not None:
-            self._texture.value.release()
+        self._texture.release()

@@ -24,9 +24,13 @@ def same(a: Any, b: Any) -> bool:
 
 
 class Last(Generic[T]):
-    """One kept value and the key it was made for."""
+    """One kept value and the key it was made for.
 
-    def __init__(self) -> None:
+    `frees`: it is an object on the GPU, which is released before another is made
+    """
+
+    def __init__(self, frees: bool = False) -> None:
+        self._frees = frees
         self._key: tuple | None = None
         self._value: T | None = None
 
@@ -34,6 +38,8 @@ class Last(Generic[T]):
         """The value for a key: the kept one while the key stays the same, else what `make` returns."""
         if self.changes(*key):
             self._key = None  # if `make` fails, the next call tries again
+            if self._frees:
+                self.release()
             self._value = make()
             self._key = key
         return self._value  # type: ignore[return-value]
@@ -56,3 +62,9 @@ class Last(Generic[T]):
     def forget(self) -> None:
         """Make the next key a new one."""
         self._key = None
+
+    def release(self) -> None:
+        """Free what is kept on the GPU."""
+        if self._value is not None:
+            self._value.release()  # type: ignore[attr-defined]
+        self._key = self._value = None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from pathlib import Path
 
 from ..errors import ShaderError
 from ..files import GLSL
@@ -17,13 +16,13 @@ Where = list[tuple[str, int]]
 
 
 def flatten(
-    path: str, defines: Mapping[str, object] | None = None, virtual: Mapping[str, str] | None = None, root: Path = GLSL
+    path: str, defines: Mapping[str, object] | None = None, virtual: Mapping[str, str] | None = None
 ) -> tuple[str, Where]:
     """Return the flat text of one program and, for each of its lines, the (file, line) it came from.
 
     Parameters
     ----------
-    path : the pass, relative to `root` (the glsl folder)
+    path : the pass, below the glsl folder
     defines : written right after `#version`
     virtual : {name: text or another path}; lets Python choose what `#include "name"` means, for example the method
         of a pass. A value that ends in ".glsl" is a path, anything else is the text itself.
@@ -45,10 +44,10 @@ def flatten(
             return
         seen.add(name)
         if text is None:
-            file = root / name
+            file = GLSL / name
             if not file.is_file():
                 asker = f"glsl/{chain[-1]}: " if chain else ""
-                raise ShaderError(f'{asker}no such file "{name}" under {root}')
+                raise ShaderError(f'{asker}no such file "{name}" under {GLSL}')
             text = file.read_text(encoding="utf-8")
         for number, line in enumerate(text.splitlines(), 1):
             if match := _INCLUDE.match(line):

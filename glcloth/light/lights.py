@@ -15,8 +15,8 @@ SUN_RADIUS = float(np.radians(0.27))  # of the sun as the earth sees it: half a 
 WIDEST_SUN = float(np.radians(10.0))  # as wide, a light is no direction any more
 
 
-def _frozen(array, dtype=np.float64) -> np.ndarray:
-    array = np.array(array, dtype)
+def _frozen(array) -> np.ndarray:
+    array = np.array(array, np.float64)
     array.setflags(write=False)
     return array
 

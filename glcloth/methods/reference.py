@@ -124,7 +124,7 @@ class Reference(Method):
         """
         self._tangents, self._settings = len(fabric.tangents), settings
         self.broad = np.zeros(len(lights.gaussians))
-        self.albedo = self._albedo.get(lambda: self.diffuse_albedo(fabric), fabric) if self.bounces else np.zeros(3)
+        self.albedo = self._albedo.get(lambda: diffuse_albedo(fabric), fabric) if self.bounces else np.zeros(3)
         # Maps and lights are frozen, so the same object means the same light.
         source = settings.environment if settings.light == "map" else lights
         rotation = None if settings.rotation is None else np.asarray(settings.rotation, float).tobytes()
@@ -140,10 +140,6 @@ class Reference(Method):
             lambda: self._upload_light(self._directions(lights, settings, settings.cube, points)),
             *(settings.light, source, rotation, settings.cube, settings.shadows, self.bounces),
         )
-
-    def diffuse_albedo(self, fabric: Fabric) -> np.ndarray:
-        """Albedo [3] of the bounce."""
-        return diffuse_albedo(fabric)
 
     def _directions(self, lights: Lights, settings: Settings, cube: int, points: int = 1) -> Directions:
         """Every direction that light comes from, the last of them so many points of each sun."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -231,18 +231,10 @@ def _stamp(name: str | Path) -> int:
 
 
 def _settings(scene: Scene, environment: Environment) -> Settings:
-    return Settings(
-        quality=scene.quality,
-        segments=scene.segments,
-        light=scene.light,
-        cube=scene.cube,
-        contribution=scene.contribution,
-        grid=scene.grid,
-        shadows=scene.shadows,
-        bounce=scene.bounce,
-        environment=environment,
-        rotation=rotation_y(scene.env_rotate),
-    )
+    of_scene = {
+        field.name: getattr(scene, field.name) for field in fields(Settings) if field.name in Scene.model_fields
+    }
+    return Settings(**of_scene, environment=environment, rotation=rotation_y(scene.env_rotate))
 
 
 def default_camera(mesh: Mesh, scene: Scene) -> Camera:

@@ -68,7 +68,7 @@ class PrintTexture:
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
-        self._made: Last[moderngl.TextureArray] = Last()
+        self._made: Last[moderngl.TextureArray] = Last(frees=True)
 
     def inputs(self, of: Print, mean: np.ndarray, scale: float) -> dict[str, Any]:
         """Textures and uniforms; `scale`: metres of `PixelUv` in a unit of the repeat."""
@@ -81,7 +81,5 @@ class PrintTexture:
         }
 
     def _make(self, of: Print, mean: np.ndarray) -> moderngl.TextureArray:
-        if self._made.value is not None:
-            self._made.value.release()
         ratio = of.colors / np.where(mean > 0.0, mean, 1.0)
         return picture_array(self.ctx, resampled(ratio, even_size(*of.colors.shape[:2]))[None])

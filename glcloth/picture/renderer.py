@@ -266,9 +266,9 @@ class Renderer:
         """Draw the mean of the samples so far of the last `path_steps`."""
         self._paths.draw(target)
 
-    def draw_background(self, frame: Frame, target: moderngl.Framebuffer | None = None) -> None:
-        """Draw the environment behind the last draw, or behind a copy of it in another framebuffer of its size."""
-        self._background.draw(frame, target or self.target.framebuffer)
+    def draw_background(self, frame: Frame, target: moderngl.Framebuffer) -> None:
+        """Draw the environment behind a copy of the last draw in another framebuffer of its size."""
+        self._background.draw(frame, target)
 
     # -- in between --------------------------------------------------------------------------------------------------
 

@@ -40,17 +40,11 @@ class Surface(ABC):
         """`steepness`: see `VertexVisibility`."""
         self.ctx = ctx
         self.visibility = PixelVisibility(ctx, steepness)
-        self._buffers: Last[MeshBuffers] = Last()
+        self._buffers: Last[MeshBuffers] = Last(frees=True)
 
     def _place(self, make: Callable[[], MeshBuffers], *key: Any) -> None:
         """Put another mesh on the GPU where the key changes; the one before is freed."""
-
-        def other() -> MeshBuffers:
-            if self._buffers.value is not None:
-                self._buffers.value.release()
-            return make()
-
-        self.buffers = self._buffers.get(other, *key)
+        self.buffers = self._buffers.get(make, *key)
 
     @property
     def mesh(self) -> Mesh:

@@ -139,14 +139,14 @@ def check_piece(name: str) -> None:
         raise InputError(f"drape {name}: unknown, expected drape, {', '.join(PIECES)}{hint}")
 
 
-def simulated(ctx: moderngl.Context, name: str, coarser: float = 1.0) -> tuple[np.ndarray, tuple[float, float]]:
-    """The vertices [R, C, 3] of a piece at rest, and its size; `coarser`: with a spacing so many times as wide.
+def simulated(ctx: moderngl.Context, name: str) -> tuple[np.ndarray, tuple[float, float]]:
+    """The vertices [R, C, 3] of a piece at rest, and its size.
 
     Raises InputError for an unknown piece, and RuntimeError if contacts were lost.
     """
     check_piece(name)
     piece = PIECES[name]
-    columns, rows = (round(side / (piece.spacing * coarser)) + 1 for side in piece.size)
+    columns, rows = (round(side / piece.spacing) + 1 for side in piece.size)
     spacing = piece.size[0] / (columns - 1), piece.size[1] / (rows - 1)
     falling = ClothParameters(
         spacing, **piece.cloth, damping=1.5, gap=1.08 * max(spacing), substeps=20, air_substeps=5, speed_limit=2.0
