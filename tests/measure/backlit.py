@@ -13,14 +13,6 @@ import numpy as np
 import glcloth
 from glcloth.color import luminance
 
-
-def means(values, covered):
-    """Means over 3x3 pixels, and where all nine are covered."""
-    shifts = [(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)]
-    whole = np.all([np.roll(covered, shift, (0, 1)) for shift in shifts], axis=0)
-    return np.mean([np.roll(values, shift, (0, 1)) for shift in shifts], axis=0), whole
-
-
 options = common.options(
     __doc__, ["sky"], fabrics=["linen_curtain", "sheer_voile"], size="80x60", spp=256, light="sg", turns="0,180",
     mesh="drape",
@@ -38,8 +30,8 @@ with glcloth.Renderer() as renderer:
                 )
                 error = renderer.path_sums().standard_error.astype(float)
                 test = np.asarray(renderer.render(method="direct", fabric=fabric, spp=16, **look))
-                (a, whole), (b, _) = (means(luminance(p[..., :3].astype(float)), cloth) for p in (test, judge))
-                noise = np.sqrt(means(error**2, cloth)[0] / 9)[whole].mean()
+                (a, whole), (b, _) = (common.means(luminance(p[..., :3].astype(float)), cloth) for p in (test, judge))
+                noise = np.sqrt(common.means(error**2, cloth)[0] / 9)[whole].mean()
                 a, b = a[whole], b[whole]
                 values = (np.abs(a - b).mean() / b.mean(), a.mean() / b.mean() - 1, noise / b.mean())
                 common.row(env, int(turn), fabric, *(float(100 * value) for value in values))

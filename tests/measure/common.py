@@ -121,3 +121,10 @@ class Pixels:
         surface_from_world = np.stack([t, self.N[row, column, 3] * np.cross(n, t), n])
         omega_o = surface_from_world @ -(self.ray_from_pixel @ [column + 0.5, row + 0.5, 1.0])
         return surface_from_world, omega_o / np.linalg.norm(omega_o)
+
+
+def means(values, covered):
+    """Means over 3x3 pixels, and where all nine are covered."""
+    shifts = [(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)]
+    whole = np.all([np.roll(covered, shift, (0, 1)) for shift in shifts], axis=0)
+    return np.mean([np.roll(values, shift, (0, 1)) for shift in shifts], axis=0), whole

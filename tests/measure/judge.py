@@ -15,14 +15,6 @@ import numpy as np
 import glcloth
 from glcloth.color import luminance
 
-
-def means(values, covered):
-    """Means over 3x3 pixels, and where all nine are covered."""
-    shifts = [(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)]
-    whole = np.all([np.roll(covered, shift, (0, 1)) for shift in shifts], axis=0)
-    return np.mean([np.roll(values, shift, (0, 1)) for shift in shifts], axis=0), whole
-
-
 options = common.options(
     __doc__, ["studio"], fabrics=common.FABRICS, size="120x90", noise=1.5, light="map", ground="off", method="direct",
     quality="normal", spp=144, turn=0.0,
@@ -43,8 +35,10 @@ with glcloth.Renderer() as renderer:
             cloth = (sums.cover == sums.samples) & (np.asarray(test)[..., 3] > 0.999)
             if options.ground != "off":  # the ground has no fabric
                 cloth &= np.ptp(sums.albedo / sums.samples - glcloth.Scene().ground_color, axis=-1) > 1e-3
-            (a, whole), (b, _) = (means(luminance(np.asarray(p)[..., :3].astype(float)), cloth) for p in (test, judge))
-            noise = np.sqrt(means(sums.standard_error.astype(float) ** 2, cloth)[0] / 9)[whole].mean()
+            (a, whole), (b, _) = (
+                common.means(luminance(np.asarray(p)[..., :3].astype(float)), cloth) for p in (test, judge)
+            )
+            noise = np.sqrt(common.means(sums.standard_error.astype(float) ** 2, cloth)[0] / 9)[whole].mean()
             a, b = a[whole], b[whole]
             relative = np.abs(a - b) / b
             errors = [np.abs(a - b).mean() / b.mean(), a.mean() / b.mean() - 1, *np.percentile(relative, (50, 95))]
