@@ -58,7 +58,7 @@ def diff(
 
 def info(*, device: Device = None, json: Json = False) -> None:
     """Show versions, the GL renderer and its limits, devices, and the cache."""
-    from ..bench.cloth import machine
+    from ..bench.machine import machine
 
     facts = machine(device)
     if json:
