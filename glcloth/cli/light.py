@@ -34,8 +34,9 @@ def env(
     """
     from ..image import write_image
     from ..light.environment import load_environment
-    from ..light.fit import fit_picture, fit_report, save_lights
+    from ..light.fit_report import fit_picture, fit_report
     from ..light.judge import measured_errors
+    from ..light.lights_file import save_lights
     from ..scene import Scene
 
     count = Scene().changed(lobes=lobes).lobes

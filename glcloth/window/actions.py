@@ -14,7 +14,7 @@ from ..geometry.camera import Camera
 from ..geometry.parts import fit, names_of
 from ..geometry.raw import Names
 from ..gpu.memo import Last
-from ..light.fit import FitReport
+from ..light.fit_report import FitReport
 from ..picture.masks import mask_colors, part_pattern
 from ..picture.uv_scale import guessed_scale
 from ..scene import View

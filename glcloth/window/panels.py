@@ -10,8 +10,8 @@ from imgui_bundle import imgui  # isort: skip
 from ..color import VIEW_TRANSFORMS
 from ..fabric import builtin_fabrics
 from ..geometry.mesh_files import BUILTIN_MESHES
+from ..light.bands import FABRICS
 from ..light.environment import BUILT_IN_NAMES
-from ..light.fit import FABRICS
 from ..scene import Scene
 from .actions import Actions
 from .camera_panel import CameraPanel

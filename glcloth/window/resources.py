@@ -14,7 +14,7 @@ from ..geometry.mesh import Mesh
 from ..geometry.parts import joined
 from ..geometry.props import Objects, arrange, load_solids
 from ..light.environment import Environment, load_environment, rotation_y
-from ..light.fit import FitReport, fit_report, report_on
+from ..light.fit_report import FitReport, fit_report, report_on
 from ..light.lights import Lights
 from ..light.lights_file import load_lights
 from ..methods.paper.precompute import shapes_of

@@ -18,7 +18,7 @@ from scipy.optimize import least_squares
 from test_doors import fails, run
 
 from glcloth.color import srgb_decode
-from glcloth.export import files, models, original
+from glcloth.export import files, mitsuba_files, models, original
 from glcloth.export.maps import make_textures
 from glcloth.export.mitsuba_bsdf import register
 from glcloth.export.mitsuba_response import MissingMitsubaError
@@ -277,7 +277,7 @@ def test_exports_for_mitsuba_and_wrong_names(few, tmp_path, capsys, monkeypatch)
     def nobody(*_):
         raise MissingMitsubaError("not measured here")
 
-    monkeypatch.setattr(files, "by_mitsuba", nobody)  # its process takes seconds to start
+    monkeypatch.setattr(mitsuba_files, "by_mitsuba", nobody)  # its process takes seconds to start
     assert run("export", "linen", "-o", tmp_path / "linen.py", "--picture", tmp_path / "pair.png", "--json") == 0
     said = capsys.readouterr()
     assert "pair.png: is not written" in said.err and "not measured" in json.loads(said.out)["not_measured"]
@@ -293,6 +293,6 @@ def test_exports_for_mitsuba_and_wrong_names(few, tmp_path, capsys, monkeypatch)
 @pytest.mark.parametrize("end", ["\n", "\r"])
 def test_a_fabrics_name_is_no_code(tmp_path, end):
     fabric = load_fabric("linen").changed(name=f"linen{end}raise SystemExit{end}# x")
-    files._mitsuba_py(fabric, tmp_path / "a.py")
+    mitsuba_files.write_mitsuba_py(fabric, tmp_path / "a.py")
     tree = ast.parse((tmp_path / "a.py").read_bytes())
     assert not any(isinstance(node, ast.Raise) for node in tree.body)

@@ -13,21 +13,14 @@ from scipy.spatial.transform import Rotation
 from glcloth.color import LUMINANCE, luminance
 from glcloth.errors import InputError
 from glcloth.light import equirect, fit, harmonics, lobes, suns
+from glcloth.light.bands import band_weights
 from glcloth.light.environment import BUILT_IN_NAMES, Environment, load_environment
-from glcloth.light.fit import (
-    SHIPPED_LOBES,
-    band_weights,
-    fit_lights,
-    fit_picture,
-    fit_report,
-    load_lights,
-    predicted_error,
-    save_lights,
-    shipped_path,
-)
+from glcloth.light.fit import SHIPPED_LOBES, fit_lights, predicted_error, shipped_path
+from glcloth.light.fit_report import fit_picture, fit_report
 from glcloth.light.harmonics import gaussian_flux
 from glcloth.light.judge import measured_errors
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
+from glcloth.light.lights_file import load_lights, save_lights
 
 AXES = np.array([[0.2, 0.9, 0.3], [-0.8, 0.2, 0.5], [0.7, -0.1, 0.7], [0.1, -1.0, 0.2]])
 KNOWN = SphericalGaussians(AXES, [6.0, 40.0, 15.0, 2.0], [[1, 2, 4], [9, 7, 4], [2, 2, 1], [0.2, 0.3, 0.1]])
