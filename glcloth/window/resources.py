@@ -17,7 +17,7 @@ from ..light.environment import Environment, load_environment, rotation_y
 from ..light.fit_report import FitReport, fit_report, report_on
 from ..light.lights import Lights
 from ..light.lights_file import load_lights
-from ..methods.paper.precompute import shapes_of
+from ..methods.paper.shapes import shapes_of
 from ..methods.paper.tables import tables_for
 from ..picture.cloths import load_meshes
 from ..place import split_place

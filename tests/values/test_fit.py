@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 from glcloth.color import LUMINANCE, luminance
 from glcloth.errors import InputError
 from glcloth.light import equirect, fit, harmonics, lobes, suns
-from glcloth.light.bands import band_weights
+from glcloth.light.bands import FABRICS, band_weights
 from glcloth.light.environment import BUILT_IN_NAMES, Environment, load_environment
 from glcloth.light.fit import SHIPPED_LOBES, fit_lights, predicted_error, shipped_path
 from glcloth.light.fit_report import fit_picture, fit_report
@@ -181,7 +181,7 @@ def test_predicted_error_of_an_exact_fit_and_of_darkness():
     assert predicted_error(e, KNOWN) < 1e-3
     dark = SphericalGaussians([[0, 1, 0]], [1.0], [[0, 0, 0]])
     power = harmonics.power(harmonics.transform(e.radiance) @ np.array([0.2126, 0.7152, 0.0722]))
-    for fabric in fit.FABRICS:
+    for fabric in FABRICS:
         expected = np.sqrt((band_weights(fabric) ** 2 * power).sum() / power[0])
         assert predicted_error(e, dark, fabric) == pytest.approx(expected, rel=1e-9)
 
@@ -347,7 +347,7 @@ def test_report_for_people_and_for_json():
     report = fit_report(load_environment("sky"), 5)
     data = json.loads(json.dumps(report.as_dict()))
     assert data["lobes"] == 5 == len(data["gaussians"]) and len(data["suns"]) == 1
-    assert set(data["predicted_error"]) == set(fit.FABRICS)
+    assert set(data["predicted_error"]) == set(FABRICS)
     text = str(report)
     assert text.startswith("sky: 5 lobes, 1 suns") and text.count("\nlobe") == 5 and text.count("\nsun") == 1
     shares = sorted(float(line.split()[1].rstrip("%")) for line in text.splitlines() if line.startswith("lobe"))
@@ -412,7 +412,7 @@ def test_damaged_maps_still_fit():
 
 def test_band_weights():
     """Each curve starts at 1 and falls; narrow lobes see more; short names and the generic curve are what they say."""
-    curves = {name: band_weights(name) for name in fit.FABRICS}
+    curves = {name: band_weights(name) for name in FABRICS}
     for name, b in curves.items():
         assert b.shape == (33,) and b[0] == 1 and 0.5 < b[1] < 0.75 and b[-1] < 0.02, name
     assert curves["linen"][12] < curves["silk_crepe_de_chine"][12] < curves["satin_charmeuse_front"][12]

@@ -5,7 +5,8 @@ import pytest
 
 from glcloth.errors import InputError
 from glcloth.fabric import Fabric, load_fabric
-from glcloth.methods.paper import precompute, tables
+from glcloth.methods.paper import azimuth, precompute, tables
+from glcloth.methods.paper.shapes import shapes_of
 from glcloth.twins import convolution
 from glcloth.twins.azimuth import T_l, azimuth_mass
 from glcloth.twins.frame import tangent_axes
@@ -37,8 +38,8 @@ def test_T_l_at_texels_and_between(rng):
 
     from glcloth.twins.coordinates import unit_from_kappa
 
-    phi_o, phi_k, kappa = precompute.azimuth_axes()
-    table = precompute.azimuth_table()
+    phi_o, phi_k, kappa = azimuth.azimuth_axes()
+    table = azimuth.azimuth_table()
     for i, j, k in zip(rng.integers(0, 31, 40), rng.integers(0, 31, 40), rng.integers(0, 48, 40), strict=True):
         for power in (1, 4, 10):
             exact = T_l(power, phi_o[k], phi_k[j], kappa[i]) / azimuth_mass(phi_k[j], kappa[i])
@@ -95,7 +96,7 @@ def test_broad_gaussians_at_few_nodes_equal_the_cells(rng, monkeypatch):
 @pytest.fixture(scope="module")
 def spectrum():
     """T of linen on a 20 x 20 grid at the sharpest level as a dense matrix, its SVD, and the columns of W."""
-    shape = precompute.shapes_of(load_fabric("linen"))[0][0]
+    shape = shapes_of(load_fabric("linen"))[0][0]
     theta, phi_k, phi_o = precompute.weight_axes(20)
     q = precompute._cells()
     solid_angle = np.repeat(np.cos(q), precompute.CELLS)[:, None].astype(np.float32)
@@ -145,10 +146,10 @@ def test_ranks_grow_with_sharpness(name):
 
 
 def test_mirror_images_share_tables():
-    linen = precompute.shapes_of(load_fabric("linen"))
+    linen = shapes_of(load_fabric("linen"))
     assert len(linen[0]) == 1 and len(linen[1]) == 4
-    assert len(precompute.shapes_of(weave([-35, 10, 40], [15]))[0]) == 4
-    assert len(precompute.shapes_of(weave([-30, 30], [-10, 10]))[0]) == 2
+    assert len(shapes_of(weave([-35, 10, 40], [15]))[0]) == 4
+    assert len(shapes_of(weave([-30, 30], [-10, 10]))[0]) == 2
     # The weave mirrored in x: theta turns around for yarn 1, phi for yarn 2.
     one, two = weave([20, -5], [30]), weave([-20, 5], [30])
     T_1, T_2 = (precompute.compute_tables(f, 8, 0.9999) for f in (one, two))
@@ -163,10 +164,10 @@ def test_mirror_images_share_tables():
 def test_only_the_weave_changes_the_tables():
     linen = load_fabric("linen")
     yarns = tuple(y.model_copy(update=dict(albedo=(1, 1, 1), k_d=0.9, gamma_v_deg=50, eta=1.3)) for y in linen.yarn)
-    assert precompute.shapes_of(linen.model_copy(update=dict(yarn=yarns)))[0] == precompute.shapes_of(linen)[0]
+    assert shapes_of(linen.model_copy(update=dict(yarn=yarns)))[0] == shapes_of(linen)[0]
     for change in (dict(sigma_deg=15), dict(normalization="paper")):
         changed = linen.model_validate(linen.model_dump() | change)
-        assert precompute.shapes_of(changed)[0] != precompute.shapes_of(linen)[0]
+        assert shapes_of(changed)[0] != shapes_of(linen)[0]
 
 
 # -- cache -----------------------------------------------------------------------------------------------------------
@@ -271,5 +272,5 @@ def rng():
 @pytest.mark.parametrize("tilt", [90, -90, 89.99999999])
 def test_an_upright_tangent_is_not_turned_over_by_rounding(tilt):
     """Rounded to nine digits pi / 2 would be more than a right angle."""
-    for shape in precompute.shapes_of(weave([tilt], [15]))[0]:
+    for shape in shapes_of(weave([tilt], [15]))[0]:
         assert np.cos(shape.tilt) > 0.0 and abs(shape.tilt) <= np.pi / 2

@@ -17,7 +17,8 @@ from ...light.lights import Lights
 from ...twins.convolution import theta_end
 from ..method import Method
 from ..settings import Settings
-from .precompute import Tables, inner_share, shapes_of
+from .precompute import Tables, inner_share
+from .shapes import shapes_of
 from .tables import azimuth_texels, check_parameters, slice_index, slices, tables_for, texel_type, tiled
 
 DEEPEST = 2048  # slices of a 3D texture that every OpenGL 4.3 takes

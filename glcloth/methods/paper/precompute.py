@@ -1,4 +1,4 @@
-"""The paper method's tables, computed on the CPU: T_l of equation 14 and T of equation 9, SVD-compressed (paper A)."""
+"""T of equation 9, computed on the CPU and compressed by SVD: what the paper method's tables hold of a fabric (paper A)."""
 
 from __future__ import annotations
 
@@ -14,13 +14,11 @@ from ...fabric import Fabric
 from ...gpu.layout import shared
 from ...progress import track
 from ...twins import coordinates
-from ...twins.azimuth import azimuth_nodes
 from ...twins.convolution import theta_end
+from .shapes import Placement, Shape, shapes_of
 
 _CONSTANTS = shared("sg/coordinates.glsl")[0]
 LEVELS = int(_CONSTANTS["LEVELS"])
-POWERS = 10  # T_l of the powers 1-10 of cos(phi_d / 2): 1-6 for the surface term, 2-10 for the volume term
-
 ALL_ROWS = slice(None)
 CELLS = (
     96  # quadrature cells over theta and phi of the tangent's hemisphere: 1.9 degrees, the sharpest lobe is 2.1 wide
@@ -34,102 +32,6 @@ def sharpness_levels() -> np.ndarray:
     return coordinates.sharpness_from_level(
         np.arange(LEVELS), _CONSTANTS["SHARPNESS_FIRST"], _CONSTANTS["SHARPNESS_LAST"], LEVELS
     )
-
-
-# -- T_l, equation 14: the same for every fabric ---------------------------------------------------------------------
-
-
-def azimuth_axes() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The nodes (phi_o, phi_k >= 0, kappa_prime) of T_l's table."""
-    phi_o, phi_k, kappa = (np.linspace(0, 1, int(_CONSTANTS[f"AZIMUTH_{n}"])) for n in ("PHI_O", "PHI_K", "KAPPA"))
-    return (
-        coordinates.half_circle_from_unit(phi_o),
-        coordinates.circle_from_unit(phi_k, _CONSTANTS["AZIMUTH_INNER"]),
-        coordinates.kappa_from_unit(kappa, _CONSTANTS["KAPPA_LAST"]),
-    )
-
-
-def azimuth_table() -> np.ndarray:
-    """T_l over azimuth_mass for the powers 1-10: [kappa_prime, phi_k, phi_o, power] float64.   [Miz 14]
-
-    The quotient stays between 0 and 3 where T_l itself spans hundreds of decades, so that linear interpolation serves.
-    """
-    phi_o, phi_k, kappa = azimuth_axes()
-    phi, weight = azimuth_nodes()
-    cosine = np.cos((phi[:, None] - phi_o) / 2)
-    powers = cosine[:, :, None] ** np.arange(1, POWERS + 1)
-    # Both integrals are scaled by the Gaussian at its nearest point; far outside they would vanish in any precision.
-    nearest = np.maximum(phi_k - np.pi / 2, 0)
-    half = (phi - phi_k[:, None]) / 2
-    fall = np.sin(half) ** 2 - np.sin(nearest / 2)[:, None] ** 2
-    gaussian = weight * np.exp(-2 * kappa[:, None, None] * fall)
-    mass = np.sum(gaussian * np.abs(np.cos(half)), -1)
-    integrals = gaussian.reshape(-1, len(phi)) @ powers.reshape(len(phi), -1)
-    return integrals.reshape(len(kappa), len(phi_k), len(phi_o), POWERS) / mass[..., None, None]
-
-
-# -- T, equation 9 ---------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Shape:
-    """What T of one tangent depends on: its tilt, and every term of W's normaliser.
-
-    Tilts in radians. `own` are the tangents of its own yarn, `other` those of the other one, whose direction is the
-    tangent's b; both as (tilt, share in the normaliser).
-    """
-
-    tilt: float
-    own: tuple[tuple[float, float], ...]
-    other: tuple[tuple[float, float], ...]
-    gap: float
-    sigma: float
-
-    def mirrored(self, theta: int, phi: int) -> Shape:
-        """The shape whose T at (theta, phi) is this one's at (-theta, phi) or (theta, -phi) where the sign is -1."""
-        own = tuple(sorted((theta * tilt + 0.0, share) for tilt, share in self.own))
-        other = tuple(sorted((phi * tilt + 0.0, share) for tilt, share in self.other))
-        return Shape(theta * self.tilt + 0.0, own, other, self.gap, self.sigma)
-
-    @property
-    def order(self) -> tuple:
-        return self.tilt, self.own, self.other
-
-
-@dataclass(frozen=True)
-class Placement:
-    """Where the table of a tangent is: the index of its shape, and the signs to give theta and phi before reading."""
-
-    shape: int
-    theta: int
-    phi: int
-
-
-def _rounded(tilt: float) -> float:
-    """A tilt to nine digits, never beyond a right angle: its cosine would be negative and turn the horizon over."""
-    return float(np.clip(round(tilt, 9), -np.pi / 2, np.pi / 2))
-
-
-def shapes_of(fabric: Fabric) -> tuple[tuple[Shape, ...], tuple[Placement, ...]]:
-    """The different shapes among a fabric's tangents, and the placement of each tangent: mirror images share a table."""
-    # Rounded, so that mirror images are recognised; 1e-9 is far below the tables' error.
-    terms = [
-        (t.yarn, _rounded(t.tilt), round(float(w[1]), 9)) for t, w in zip(fabric.tangents, fabric.weights, strict=True)
-    ]
-    shapes: list[Shape] = []
-    placements = []
-    for yarn, tilt, _ in terms:
-        own = tuple(sorted((angle, share) for j, angle, share in terms if j == yarn))
-        # Yarn 2 runs along b of yarn 1, but yarn 1 runs against b of yarn 2 (b = n x t).
-        side = 1 if yarn == 0 else -1
-        other = tuple(sorted((side * angle + 0.0, share) for j, angle, share in terms if j != yarn))
-        shape = Shape(tilt, own, other, round(fabric.gap, 9), round(fabric.sigma, 9))
-        images = [(shape.mirrored(theta, phi), theta, phi) for theta in (1, -1) for phi in (1, -1)]
-        chosen, theta, phi = max(images, key=lambda image: (image[0].order, image[1], image[2]))
-        if chosen not in shapes:
-            shapes.append(chosen)
-        placements.append(Placement(shapes.index(chosen), theta, phi))
-    return tuple(shapes), tuple(placements)
 
 
 def inner_share(grid: int) -> float:

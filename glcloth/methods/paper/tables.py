@@ -15,16 +15,9 @@ from ...errors import InputError
 from ...fabric import Fabric, builtin_fabrics, load_fabric
 from ...files import atomic_write, cache_dir
 from ...progress import show, warn
-from .precompute import (
-    LEVELS,
-    Shape,
-    Tables,
-    azimuth_axes,
-    azimuth_table,
-    compute_tables,
-    shapes_of,
-    sharpness_levels,
-)
+from .azimuth import azimuth_axes, azimuth_table
+from .precompute import LEVELS, Tables, compute_tables, sharpness_levels
+from .shapes import Shape, shapes_of
 
 FORMAT = 3  # raise it whenever the numbers or their layout change: older files are then made anew
 SINGLE_LIMIT = 64 << 20  # bytes of factors above which they are stored as 16-bit floats
