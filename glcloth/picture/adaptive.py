@@ -32,7 +32,7 @@ class Shown:
     Parameters
     ----------
     near, far : the picture, where only these pixels are covered, and only the others
-    terms_program : shade_terms of passes/picture with the method, for one pixel in sixteen or in four
+    terms_program : inputs/picture/shade_terms.glsl with the method, for one pixel in sixteen or in four
     layers : texels that this keeps of each
     list_program : as for the other pixels
     defines, virtual : of the program that combines terms with the maps of threads

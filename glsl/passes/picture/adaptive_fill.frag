@@ -12,7 +12,7 @@ out vec4 color;
 #ifdef WEAVE
 // Where pixels show threads: what each tangent adds varies as slowly as cloth from afar, so it is that which is interpolated.
 #include "inputs/methods/threads.glsl"  // that is weave.glsl or printed.glsl
-uniform sampler2DArray terms;  // of passes/picture/shade_terms.frag
+uniform sampler2DArray terms;  // of inputs/picture/shade_terms.glsl
 uniform int wide_row;          // its row in which terms of every fourth pixel of every fourth row begin
 uniform sampler2D smooth_blocks;  // of passes/picture/adaptive_blocks.frag
 uniform float term_scale;      // of what they hold
