@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..gpu.buffers import Buffer
-from .structure import Structure
+from .structure import Traced
 from .triangles import Triangles
 
 
@@ -18,37 +17,15 @@ class OverGround:
     source = "inputs/accel/lbvh_ground.glsl"
     ordered_hits = False
 
-    def __init__(self, structure: Structure, height: float):
-        self.structure, self.height = structure, float(height)
-        self.build, self.build_steps = structure.build, structure.build_steps
-        self.fits = structure.fits
-        self.chunks, self.arrays, self.release = structure.chunks, structure.arrays, structure.release
+    def __init__(self, structure: Traced, height: float):
+        self._structure, self.height = structure, float(height)
+        self.chunks = structure.chunks
 
     def inputs(self) -> dict[str, Any]:
         """The inputs of inputs/accel/lbvh_ground.glsl, by name."""
-        return self.structure.inputs() | {"ground_height": self.height}
-
-    @property
-    def unread(self) -> Buffer | None:
-        """Of the structure."""
-        return self.structure.unread
+        return self._structure.inputs() | {"ground_height": self.height}
 
     @property
     def triangles(self) -> Triangles | None:
         """The triangles that the structure was built of."""
-        return self.structure.triangles
-
-    @property
-    def node_count(self) -> int:
-        """Of the structure."""
-        return self.structure.node_count
-
-    @property
-    def leaf_ref_count(self) -> int:
-        """Of the structure."""
-        return self.structure.leaf_ref_count
-
-    @property
-    def timings(self) -> dict[str, float]:
-        """Of the structure's last build."""
-        return self.structure.timings
+        return self._structure.triangles

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..gpu.buffers import Buffer, TextureBuffer
 from ..gpu.programs import Compute, programs
-from .structure import Structure
+from .structure import Traced
 
 NO_TRIANGLE = 0xFFFFFFFF
 Visitor = Literal["closest", "any"]
@@ -36,7 +36,7 @@ class RayQueries:
         self._work = Buffer(ctx, 1 << 16)
 
     def closest_hit(
-        self, structure: Structure, origins, directions, t_min=0.0, t_max=np.inf, counted: bool = False
+        self, structure: Traced, origins, directions, t_min=0.0, t_max=np.inf, counted: bool = False
     ) -> Hits:
         """The nearest hit of each ray with t_min < t < t_max.
 
@@ -49,11 +49,11 @@ class RayQueries:
         """
         return self._cast(structure, "closest", origins, directions, t_min, t_max, counted)
 
-    def any_hit(self, structure: Structure, origins, directions, t_min=0.0, t_max=np.inf) -> np.ndarray:
+    def any_hit(self, structure: Traced, origins, directions, t_min=0.0, t_max=np.inf) -> np.ndarray:
         """Whether each ray hits anything with t_min < t < t_max: [N] bool. Parameters as for `closest_hit`."""
         return self._cast(structure, "any", origins, directions, t_min, t_max, False).triangle >= 0
 
-    def _cast(self, structure: Structure, visit: Visitor, origins, directions, t_min, t_max, counted) -> Hits:
+    def _cast(self, structure: Traced, visit: Visitor, origins, directions, t_min, t_max, counted) -> Hits:
         count = self.upload(origins, directions, t_min, t_max)
         self.run(structure, visit, count, counted)
         hits = np.frombuffer(self._hits.read(16 * count), np.uint32).reshape(-1, 4)
@@ -77,7 +77,7 @@ class RayQueries:
         self._work.reserve(8 * count)
         return count
 
-    def run(self, structure: Structure, visit: Visitor, count: int, counted: bool = False) -> None:
+    def run(self, structure: Traced, visit: Visitor, count: int, counted: bool = False) -> None:
         """Cast the uploaded rays; the hits stay on the GPU."""
         cast(structure, visit, self._rays, self._hits, count, work=self._work if counted else None)
 
@@ -88,7 +88,7 @@ class RayQueries:
 
 
 def cast(
-    structure: Structure, visit: Visitor, rays: TextureBuffer, hits: Buffer, count: int, work: Buffer | None = None
+    structure: Traced, visit: Visitor, rays: TextureBuffer, hits: Buffer, count: int, work: Buffer | None = None
 ) -> None:
     """Cast the first `count` rays, as passes/accel/rays.comp lays out rays and hits.
 
@@ -100,7 +100,7 @@ def cast(
         program.run(count, structure.inputs(), where | chunk, rays=rays, Hits=hits)
 
 
-def cast_counted(structure: Structure, rays: TextureBuffer, hits: Buffer, counts: Buffer, skip: int) -> None:
+def cast_counted(structure: Traced, rays: TextureBuffer, hits: Buffer, counts: Buffer, skip: int) -> None:
     """Find the nearest hits of the rays that inputs/tracing/range_heads.glsl names by `counts`, by as many work groups as
     stand there behind `skip` bytes."""
     program = _program(rays.ctx, structure, "closest", "inputs/tracing/range_heads.glsl", False)
@@ -110,7 +110,7 @@ def cast_counted(structure: Structure, rays: TextureBuffer, hits: Buffer, counts
         )
 
 
-def _program(ctx: moderngl.Context, structure: Structure, visit: Visitor, range_: str, counted: bool) -> Compute:
+def _program(ctx: moderngl.Context, structure: Traced, visit: Visitor, range_: str, counted: bool) -> Compute:
     virtual = {
         "accel.glsl": structure.source,
         "visit.glsl": VISITORS[visit],

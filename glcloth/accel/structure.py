@@ -1,4 +1,4 @@
-"""The contract of every acceleration structure, and the structures by their names."""
+"""The contracts of what rays go through and of acceleration structures, and these by their names."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from .lbvh import Lbvh
 from .triangles import Triangles
 
 
-class Structure(Protocol):
-    """An acceleration structure over `Triangles`; a pass traces through it by `#include "accel.glsl"`.
+class Traced(Protocol):
+    """What rays go through; a pass traces it by `#include "accel.glsl"`.
 
     source: the GLSL file with `traverse`. ordered_hits: whether that finds hits in their order, so that a visitor may ask
-    for all layers. triangles: those it was built of. timings: ms of each stage of the last build.
+    for all layers. triangles: those it was built of.
     """
 
     @property
@@ -31,6 +31,16 @@ class Structure(Protocol):
 
     @property
     def triangles(self) -> Triangles | None: ...
+
+    def inputs(self) -> dict[str, Any]:
+        """The inputs of `source`, by their names there."""
+
+    def chunks(self) -> Iterator[dict[str, int]]:
+        """The uniforms of each dispatch that one query takes."""
+
+
+class Structure(Traced, Protocol):
+    """An acceleration structure over `Triangles`. timings: ms of each stage of the last build."""
 
     @property
     def node_count(self) -> int: ...
@@ -54,12 +64,6 @@ class Structure(Protocol):
     def fits(self, data: bytes) -> bool:
         """Whether it had, by the content of `unread`; else there is more now, and it is to be built anew."""
 
-    def inputs(self) -> dict[str, Any]:
-        """The inputs of `source`, by their names there."""
-
-    def chunks(self) -> Iterator[dict[str, int]]:
-        """The uniforms of each dispatch that one query takes."""
-
     def arrays(self) -> dict[str, np.ndarray]:
         """The structure as NumPy arrays: axis [N] (3 = leaf), count [N], depth [N] of its nodes, and triangles [R]."""
 
@@ -82,6 +86,6 @@ def make_structure(ctx: moderngl.Context, name: str) -> Structure:
     return STRUCTURES[name](ctx)
 
 
-def tracing(structure: Structure) -> dict[str, str]:
+def tracing(structure: Traced) -> dict[str, str]:
     """The virtual includes of a pass that casts rays through a structure and counts nothing."""
     return {"accel.glsl": structure.source, "count.glsl": "inputs/accel/count_none.glsl"}

@@ -9,7 +9,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ..accel.structure import Structure
+from ..accel.structure import Traced
 from ..fabric import Fabric
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import Buffer
@@ -37,7 +37,7 @@ class Geometry:
     sun_occluders : what hides suns; None: there are none
     """
 
-    structure: Structure
+    structure: Traced
     hit_vertices: HitVertices
     meshes: tuple[Mesh, ...]
     albedo: np.ndarray

@@ -9,7 +9,7 @@ import moderngl
 import numpy as np
 
 from ..accel.ground import OverGround
-from ..accel.structure import Structure, make_structure
+from ..accel.structure import Structure, Traced, make_structure
 from ..accel.triangles import Triangles
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import Last
@@ -49,7 +49,7 @@ class Stage:
         self._bounce = Bounce(ctx)
         self._bounces = False
         self._sheets = Sheets(ctx, self._bounce.hit_vertices)
-        self._structure: Last[Structure] = Last()
+        self._structure: Last[Traced] = Last()
         self._triangles: Triangles | None = None
         self._tree: Structure | None = None
         self._sun_occluders: Last[SunOccluders] = Last()
@@ -95,7 +95,7 @@ class Stage:
                 sun_occluders=sun_occluders if surface is not self._solids else solids_see,
             )
 
-    def _sheets_of(self, structure: Structure | None) -> Sheets | None:
+    def _sheets_of(self, structure: Traced | None) -> Sheets | None:
         """The cloths as rays through a structure find them, where any lets light through."""
         transmissions = [cloth.transmission for cloth in self.cloths_in_frame]
         if structure is None or not any(transmissions):
@@ -104,12 +104,12 @@ class Stage:
         hit_vertices.prepare([surface.hit_surface for surface in self.surfaces], structure.triangles)
         return self._sheets.prepare(transmissions)
 
-    def occluders(self, frame: Frame) -> Structure:
+    def occluders(self, frame: Frame) -> Traced:
         """The structure over all that hides light: the surfaces' triangles, one after the other, and the ground."""
         originals = tuple(surface.original for surface in self.surfaces)
         return self._structure.get(lambda: self._built(frame), originals)
 
-    def _built(self, frame: Frame) -> Structure:
+    def _built(self, frame: Frame) -> Traced:
         hit = [surface.hit_surface for surface in self.surfaces]
         corners = np.concatenate([one.original.positions[one.original.triangles[: one.hiding]] for one in hit])
         if self._tree is None:
@@ -124,7 +124,7 @@ class Stage:
         return self._over_ground(frame, self._tree)
 
     @staticmethod
-    def _over_ground(frame: Frame, tree: Structure) -> Structure:
+    def _over_ground(frame: Frame, tree: Structure) -> Traced:
         ground = None if frame.objects is None else frame.objects.ground
         return tree if ground is None else OverGround(tree, ground.height)
 
@@ -137,7 +137,7 @@ class Stage:
             lambda: self._cut(frame, structure), structure, tuple(surface.original for surface in self.surfaces)
         )
 
-    def _cut(self, frame: Frame, structure: Structure) -> SunOccluders:
+    def _cut(self, frame: Frame, structure: Traced) -> SunOccluders:
         hit, coarse = self._bounce.hit_vertices, structure.triangles
         assert coarse is not None
         hit.prepare([surface.hit_surface for surface in self.surfaces], coarse)

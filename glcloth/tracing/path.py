@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 
 from ..accel.ground import OverGround
-from ..accel.structure import Structure, make_structure
+from ..accel.structure import Structure, Traced, make_structure
 from ..accel.triangles import Triangles
 from ..color import luminance
 from ..geometry.camera import Camera
@@ -251,7 +251,7 @@ class PathTracer:
         return BATCH if self._sheer is None else SHEER_BATCH
 
     @property
-    def structure(self) -> Structure:
+    def structure(self) -> Traced:
         """What rays through the world that was taken meet: the triangles of cloths and solids in their order, the ground."""
         ground = self._world.ground
         return self._tree if ground is None else OverGround(self._tree, ground[0])

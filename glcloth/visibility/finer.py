@@ -9,7 +9,7 @@ from typing import Any
 
 import moderngl
 
-from ..accel.structure import Structure
+from ..accel.structure import Traced
 from ..accel.triangles import Triangles
 from ..geometry.mesh import Mesh
 from ..gpu.programs import programs
@@ -34,7 +34,7 @@ class SunOccluders:
     own : how often those of the surface were that rays start from
     """
 
-    structure: Structure
+    structure: Traced
     levels: int = 0
     cut: int = 0
     own: int = 0

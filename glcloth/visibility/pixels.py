@@ -10,7 +10,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from ..accel.structure import Structure
+from ..accel.structure import Traced
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import TextureBuffer
 from ..gpu.gbuffer import GBuffer
@@ -66,7 +66,7 @@ class PixelVisibility:
         self.bounce = True
         self.follow = False
         self.occluders: Occluders | None = None
-        self._structure: Structure | None = None
+        self._structure: Traced | None = None
         self._sun_occluders: SunOccluders | None = None
         self.lights: Lights
         self.sheets: Sheets | None = None
@@ -86,7 +86,7 @@ class PixelVisibility:
         mode: ShadowMode,
         mesh: Mesh,
         original: Mesh,
-        structure: Structure | None,
+        structure: Traced | None,
         lights: Lights,
         bounce: bool = True,
         occluders: Occluders | None = None,
@@ -117,7 +117,7 @@ class PixelVisibility:
             self._meshes = meshes
 
     @property
-    def structure(self) -> Structure:
+    def structure(self) -> Traced:
         """The structure of all that hides light."""
         assert self._structure is not None
         return self._structure

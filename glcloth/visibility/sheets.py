@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import moderngl
 import numpy as np
 
-from ..accel.structure import Structure, tracing
+from ..accel.structure import Traced, tracing
 from ..fabric import Transmission
 from ..gpu.buffers import TextureBuffer
 from ..twins.directions import cosine_directions
@@ -55,7 +55,7 @@ class Sheets:
 
 
 def sight(
-    structure: Structure, sheets: Sheets | None, opaque: str = SIGHT_ANY
+    structure: Traced, sheets: Sheets | None, opaque: str = SIGHT_ANY
 ) -> tuple[dict[str, int], dict[str, str], dict[str, Any]]:
     """Defines, virtual includes and inputs of a pass that asks by "sight.glsl" what is seen along rays; `opaque`: the file
     where no cloth lets light through."""

@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 
 from ..accel.queries import RayQueries
-from ..accel.structure import Structure
+from ..accel.structure import Traced
 from ..color import luminance
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import TextureBuffer
@@ -80,7 +80,7 @@ class VertexVisibility:
         self._integrated: Last[None] = Last()
         self._traced: list[np.ndarray] = []  # of each class: its fixed directions, then those of narrow Gaussians
 
-    def start(self, mesh: Mesh, structure: Structure, original: Mesh | None = None, classes: int | None = None) -> None:
+    def start(self, mesh: Mesh, structure: Traced, original: Mesh | None = None, classes: int | None = None) -> None:
         """Forget all visibility and begin with another mesh.
 
         Parameters
@@ -90,7 +90,7 @@ class VertexVisibility:
         """
         self.start_at(place_probes(mesh, original, classes=classes), structure)
 
-    def start_at(self, probes: Probes, structure: Structure) -> None:
+    def start_at(self, probes: Probes, structure: Traced) -> None:
         """As `start`, from given probes."""
         self.probes, self._structure = probes, structure
         self.done, self._next_direction, self._sharp = 0, 0, None
@@ -105,7 +105,7 @@ class VertexVisibility:
         data["row_data"].write(np.stack([spread.indptr[:-1], spread.indptr[1:]], 1).astype("u4"))
         data["spread_data"].write(np.stack([spread.indices.astype("u4"), spread.data.astype("f4").view("u4")], 1))
 
-    def move(self, mesh: Mesh, structure: Structure, count: int = 8) -> None:
+    def move(self, mesh: Mesh, structure: Traced, count: int = 8) -> None:
         """Follow the mesh to a new pose: visibility stays, but `count` of each probe's directions are traced again, the
         oldest first."""
         self.probes, self._structure = self.probes.moved(mesh), structure
