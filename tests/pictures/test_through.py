@@ -11,8 +11,9 @@ from glcloth.gpu.gbuffer import Drawn
 from glcloth.light.environment import from_array
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.cloths import Cloth
-from glcloth.tracing.energy import directional_albedo, mean_albedo, reflection_limit
+from glcloth.tracing.energy import directional_albedo, hemisphere, mean_albedo, reflection_limit
 from glcloth.twins import sheet
+from glcloth.twins.cloth import f_cloth
 
 SIZE = (9, 7)
 NO_LIGHT = Lights(SphericalGaussians([[0, 1, 0]], [0.0], [[0.0, 0.0, 0.0]]))
@@ -129,6 +130,50 @@ def test_a_sun_through_cloth_lights_the_ground(renderer):
     )  # fmt: skip
     T = straight(t, np.array([0, 0, 1.0])) @ [0.2126, 0.7152, 0.0722]
     np.testing.assert_allclose(got.mean((0, 1)), T / np.pi, rtol=0.02)
+
+
+def test_the_mirror_of_yarns_shows_no_light_that_is_hidden(renderer):
+    """A sheet seen at a slant, and a wall that hides the light which it would mirror toward the eye."""
+
+    def strip(place):
+        """As long as 48 times a cell and two wide: no finer vertices are wanted."""
+        u, v = (grid.ravel() for grid in np.meshgrid(np.arange(49) / 24 - 1, np.arange(3) / 24 - 1 / 24))
+        first = (np.arange(2)[:, None] * 49 + np.arange(48)).ravel()
+        corners = [np.stack([first, first + 1, first + 50], 1), np.stack([first, first + 50, first + 49], 1)]
+        return build_mesh("strip", np.stack(place(u, v), 1), np.concatenate(corners))
+
+    # The wall stands across the strip, a little beside its middle.
+    level, upright = strip(lambda u, v: (u, v, 0 * u)), strip(lambda u, v: (0 * u - 0.05, v, u))
+    cloths = [Cloth(level, load_fabric("sheer_voile")), Cloth(upright, load_fabric("linen"))]
+    hidden, seen = omega(-75), omega(20)
+    pictures = [
+        renderer.render(
+            cloths=cloths, camera=camera(75), lights=SphericalGaussians(axes, sharpness, amplitudes), size=SIZE, bounce=False,
+            environment=from_array("dark", np.full((8, 16, 3), 1e-9)),
+        )
+        for axes, sharpness, amplitudes in (
+            ([hidden, seen], [50.0, 2.0], [[9.0] * 3, [1.0] * 3]),
+            ([seen], [2.0], [[1.0] * 3]),
+        )
+    ]  # fmt: skip
+    np.testing.assert_allclose(pictures[0][3, 4], pictures[1][3, 4], rtol=0.01)
+    assert pictures[1][3, 4].min() > 0.01
+
+
+def test_what_a_sheet_scatters_is_of_the_light_on_its_other_side(renderer):
+    """Under a sheer sheet that alone sees the sky: `reference` finds on cloth what is let straight on and what is scattered."""
+    linen, voile = load_fabric("linen"), load_fabric("sheer_voile")
+    between = Camera((0.0, 0.0, 0.6), (0.0, 0.0, 0.0), (0, 1, 0), 1.0)
+    got = renderer.render(
+        cloths=[Cloth(sheets(0.0), linen), Cloth(sheets(1.0), voile)], camera=between, lights=EVEN, environment=WHITE,
+        size=SIZE, method="reference", cube=6,
+    )[3, 4]  # fmt: skip
+    d, weight = hemisphere()
+    f = f_cloth(d, np.array([[0.0, 0.0, 1.0]]), *linen.arrays()) * (weight / d[:, 2])[:, None]
+    t = voile.transmission
+    expected = (f * (straight(t, d) + even(t, d))).sum(0)
+    np.testing.assert_allclose(got, expected, rtol=0.03)
+    assert (expected > 1.2 * (f * straight(t, d)).sum(0)).all()
 
 
 def folds():
