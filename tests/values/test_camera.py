@@ -32,6 +32,8 @@ def test_rays_go_through_the_pixels_that_the_matrix_puts_their_points_into(ortho
         unit = [v / np.linalg.norm(v, axis=1, keepdims=True) for v in (toward, d)]
         np.testing.assert_allclose(unit[0], -unit[1], atol=1e-6)
         vary = one.ray_from_pixel if ortho is None else one.origin_from_pixel
+        begin = np.array([one.origin_from_pixel((160, 80)) @ (x, y, 1) for x in (0, 160) for y in (0, 80)])
+        assert np.abs(begin).max() <= camera.reach
         steps = [vary(SIZE) @ np.subtract(next_to, (40, 30, 1)) for next_to in ((41, 30, 1), (40, 31, 1))]
         np.testing.assert_allclose(one.step_from_pixel(SIZE)[:, :2], np.transpose(steps), atol=1e-9)
 
