@@ -7,11 +7,10 @@ from glcloth.fabric import Transmission, load_fabric
 from glcloth.geometry import shapes
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
-from glcloth.geometry.props import Ground, Objects
+from glcloth.geometry.props import Objects
 from glcloth.light.environment import from_array
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.frame import Cloth
-from glcloth.picture.openings import Opacity
 from glcloth.picture.prints import Print
 from glcloth.picture.renderer import Renderer
 from glcloth.visibility import vertices
@@ -51,10 +50,6 @@ def sky(*levels):
     return from_array("sky", rows)
 
 
-def ground(height=-0.2, color=(0.5, 0.4, 0.3), catcher=False):
-    return Ground(height, (0.0, 0.0), 0.5, color, catcher)
-
-
 LINEN, VOILE = load_fabric("linen"), load_fabric("sheer_voile")
 WHITE = dyed(VOILE, albedo=(1.0, 1.0, 1.0), k_d=0.9).changed(
     transmission=Transmission(diffuse=0.1, tau=(0.9, 0.1, 0.3))
@@ -73,11 +68,10 @@ BASE = {
     "cube": 4,
 }
 TINT = Print(np.tile(np.array([[[0.9, 0.2, 0.1]], [[0.2, 0.5, 0.9]]], np.float32), (2, 4, 1)), (0.5, 0.5), True)
-LACE = Opacity(np.tile(np.array([[[1.0], [0.0]], [[1.0], [1.0]]], np.float32), (2, 2, 1)), (0.7, 0.7), True)
 
 
-def things(color, under=None):
-    return Objects((BLOCK,), (color,), under, graded=(True,))
+def things(color):
+    return Objects((BLOCK,), (color,), graded=(True,))
 
 
 def wear(*fabrics, meshes=(MESHES[0], MESHES[2]), **look):
@@ -104,6 +98,7 @@ CHAINS = {
         wear(LINEN, GREEN),
         {"objects": things(RED)},
         {"objects": things(BLUE)},
+        {"lights": lights(sharpness=np.array([1.0, 30.0, 90.0, 4.0]))},
         {"objects": None, "shadows": "sun"},
         wear(LINEN, GREEN, meshes=(MESHES[0], MESHES[3])),
         {"lights": lights(**AFTERNOON)},
@@ -112,7 +107,8 @@ CHAINS = {
     ),
     "through": (
         wear(LINEN, VOILE, meshes=(MESHES[0], MESHES[3])),
-        {"lights": lights(**AFTERNOON)},
+        {"lights": lights(direction=[[-0.5, -0.7, 0.4]])},
+        {"camera": ASIDE},
         wear(LINEN, WHITE, meshes=(MESHES[0], MESHES[3])),
     ),
     "reference": (
@@ -129,22 +125,17 @@ CHAINS = {
         {"lights": lights(**AFTERNOON)},
         {"lights": lights(**AFTERNOON, irradiance=[[3.0, 1.0, 1.0]])},
         {"lights": lights(**AFTERNOON, irradiance=[[3.0, 1.0, 1.0]], radius=0.15)},
-        {"light": "map", "spp": 3},
-        {"environment": sky(0.4, 1.0, 60.0)},
         wear(GREEN),
         wear(GREEN, meshes=MESHES[1:]),
         {"objects": things(RED)},
         {"objects": things(BLUE)},
-        {"objects": things(BLUE, ground())},
-        {"objects": things(BLUE, ground(color=(0.1, 0.6, 0.1)))},
-        wear(VOILE),
-        wear(LINEN, print=TINT),
+        {**wear(LINEN, print=TINT), "light": "map"},
         {"uv_scale": 0.5},
-        wear(LINEN, opacity=LACE),
+        {"environment": sky(0.4, 1.0, 60.0)},
     ),
 }
 BEGIN = {
-    "through": wear(LINEN, VOILE),
+    "through": {**wear(LINEN, VOILE), "lights": lights(direction=[[0.4, -0.8, 0.3]])},  # a sun from below
     "reference": {"method": "reference", "bounce": False},
     "path": {"method": "path", "spp": 2, "uv_scale": 1.0},
 }
