@@ -466,5 +466,4 @@ def test_what_a_fabric_reflects_leaves_room_for_what_passes():
     mirrored = sheet.R_sheet(o, t.k_t, t.rho, t.eta_1, t.eta_2)[:, None]
     total = limit * np.array([directional_albedo(bright, one) for one in o]) + np.maximum(*passes) + mirrored
     assert limit < 1.0 and total.max() == pytest.approx(1.0, abs=1e-6)
-    for fabric in (VOILE, load_fabric("velvet")):
-        np.testing.assert_allclose(mean_albedo(fabric), diffuse_albedo(fabric), rtol=0.05)
+    np.testing.assert_allclose(mean_albedo(bright), diffuse_albedo(bright), rtol=0.02)
