@@ -88,7 +88,6 @@ CHAINS = {
         wear(GREEN),
         wear(dyed(LINEN, **THIN)),
         wear(dyed(LINEN, **THIN, k_d=0.1)),
-        {"quality": "draft"},
         wear(LINEN.changed(sigma_deg=40.0)),
         wear(load_fabric("velvet")),
         {"lights": lights(sharpness=np.array([1.0, 3.0, 8.0, 60.0]))},
@@ -108,7 +107,6 @@ CHAINS = {
     "through": (
         wear(LINEN, VOILE, meshes=(MESHES[0], MESHES[3])),
         {"lights": lights(direction=[[-0.5, -0.7, 0.4]])},
-        {"camera": ASIDE},
         wear(LINEN, WHITE, meshes=(MESHES[0], MESHES[3])),
     ),
     "reference": (
