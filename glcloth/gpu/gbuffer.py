@@ -271,13 +271,6 @@ class GBuffer:
         """Constants of the programs that shade it."""
         return {"PARTS": 1} if self.parts else {}
 
-    def clear_color(self) -> None:
-        """Black, alpha 0, everywhere."""
-        self.target.use()
-        self.target.color_mask = _masks(self.target, True)
-        self.target.depth_mask = False  # what `draw` left stays
-        self.target.clear(0.0, 0.0, 0.0, 0.0)
-
     def shade(
         self,
         program: Draw | Compute,

@@ -68,7 +68,7 @@ DOMAINS = {
     "high": between(0.0, HALF),
     "sin_theta": between(-1.0, 1.0, 0.0),
     "cos_theta": between(0.0, 1.0),
-    "cos_angle": four(-1.0, 1.0, 0.0),
+    "cos_angle": four(-1.0, 1.0, 0.0, 1.5),  # rounding brings it above 1 at a tangent's pole
     "series": mask_series,
     "x": four(0.0, 1.0),
     "y": four(-1.0, 1.0, 0.0),

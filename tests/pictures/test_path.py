@@ -28,7 +28,7 @@ from glcloth.picture.prints import Print
 from glcloth.tracing.energy import mean_albedo, reflection_limit
 from glcloth.tracing.path import PathSums, PathTracer
 from glcloth.tracing.path_world import PathWorld
-from glcloth.tracing.sky import alias_cells, alias_table
+from glcloth.tracing.sky import alias_cells, alias_table, sun_records
 from glcloth.twins.cloth import f_cloth
 from glcloth.twins.sheet import R_limited, R_sheet, T_lambert, T_straight
 
@@ -116,6 +116,16 @@ def test_drawn_directions_have_their_density(renderer, name):
         many = expected > 20
         z_score = (found - expected)[many] / np.sqrt(expected[many] + (0.03 * expected[many]) ** 2)
         assert stats.chi2.sf((z_score**2).sum(), many.sum() - 1) > 1e-4, name
+
+
+def test_suns_are_drawn_as_often_as_they_are_bright():
+    """What a draw brings, times how often it is drawn, is the sun's irradiance."""
+    irradiance = np.array([[1.0, 2.0, 3.0], [9.0, 9.0, 1.0], [0.1, 0.1, 0.1]])
+    rows = sun_records(Suns(np.eye(3), irradiance, [0.01, 0.02, 0.03]))
+    chance = np.diff(rows[:, 0, 3], prepend=0.0)
+    np.testing.assert_allclose(chance[:, None] * rows[:, 1, :3], irradiance, rtol=1e-5)
+    assert chance.sum() == pytest.approx(1.0) and chance[1] > chance[0] > chance[2]
+    np.testing.assert_allclose(rows[:, 1, 3], np.tan([0.01, 0.02, 0.03]), rtol=1e-6)
 
 
 def test_cells_are_drawn_as_bright_as_they_are():

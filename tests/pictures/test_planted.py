@@ -147,6 +147,65 @@ def test_bounced_light_of_front_and_back_stays_on_its_side(ctx):
         thing.release()
 
 
+def test_a_probe_gathers_each_side_by_itself(ctx):
+    """Radiance, its direction and the share of rays that surfaces end, front and back: by NumPy, from made-up hits."""
+    rng, N = np.random.default_rng(4), np.array([0.6, 0.0, 0.8])
+    omega = rng.normal(size=(24, 3))
+    omega /= np.linalg.norm(omega, axis=1, keepdims=True)
+    hits = np.where(np.arange(24) % 3 == 0, 0xFFFFFFFF, rng.integers(0, 6, 24)).astype("u4")
+    sent = np.c_[rng.random((6, 3)) + 0.2, rng.uniform(-0.5, 0.8, 6)]
+    vertices = np.zeros((3, 3, 4))
+    vertices[:, 1, :3] = [[0, 1, 0], [1, 0, 0], [0, 0.6, 0.8]]
+    texels = {
+        "probe_data": np.array([[0, 0, 0, 0], [*N, 0]]),
+        "direction_data": np.c_[omega, np.zeros(24)],
+        "radiance_data": sent,
+        "vertex_data": vertices.reshape(-1, 4),
+    }
+    data = {name: TextureBuffer(ctx, rows.astype("f4")) for name, rows in texels.items()}
+    data["hit_data"] = TextureBuffer(ctx, hits, "r32ui")
+    sums = Buffer(ctx, 64)
+    programs(ctx).compute("passes/visibility/bounce_gather.comp").run(
+        (1, 1), data, Sums=sums, first_probe=np.array([0, *[1] * 8]), probe_count=1, class_directions=24, direction_count=24,
+        flat_share=0.3,
+    )  # fmt: skip
+    met = hits != 0xFFFFFFFF
+    at = np.where(met, hits, 0)
+    cosine = np.abs((vertices[at // 2, 1, :3] * omega).sum(1))
+    L = np.where(met, np.maximum(1.0 + sent[at, 3] * (cosine - 2 / 3), 0.0), 0.0)[:, None] * sent[at, :3]
+    expected = []
+    for w in np.moveaxis(twin.response_to(omega @ N, np.full(24, 0.3)), -1, 0):
+        Y = w * luminance(L)
+        expected += [[*(w @ L), w.sum()], [*(Y @ omega), w[met].sum()]]
+    np.testing.assert_allclose(np.frombuffer(sums.read(), "f4").reshape(4, 4), expected, rtol=1e-4, atol=1e-5)
+    for thing in (*data.values(), sums):
+        thing.release()
+
+
+def test_vertices_send_on_what_comes_from_either_side(ctx):
+    """Reflected on its own side and let through to the other, with a guess of later bounces by what each side sees hidden."""
+    own = np.array([[0.1, 0.2, 0.3, 0.0], [0.4, 0.1, 0.2, 0.0]])
+    bounced = np.array([[0.5, 0.4, 0.3, 0], [0, 0, 0, 0.7], [0.2, 0.6, 0.9, 0], [0, 0, 0, 0.2]])
+    share, passed = np.array([0.5, 0.4, 0.3]), np.array([0.1, 0.2, 0.05])
+    data = {
+        "radiance_data": TextureBuffer(ctx, own.astype("f4")),
+        "bounced_data": TextureBuffer(ctx, bounced.astype("f4")),
+    }
+    sent = Buffer(ctx, 32)
+    programs(ctx).compute("passes/visibility/bounce_again.comp").run(
+        1, data, Radiance=sent, first_item=0, vertex_count=1, own_reflectance=False, reflectance=share, upright=0.0, later=True,
+        passed=passed, reflectance_data=data["radiance_data"],
+    )  # fmt: skip
+    front, back = (
+        bounced[2 * k, :3] * twin.later_bounces((share + passed)[None], np.array([bounced[2 * k + 1, 3]]))[0]
+        for k in (0, 1)
+    )
+    expected = own[:, :3] + [share * front + passed * back, share * back + passed * front]
+    np.testing.assert_allclose(np.frombuffer(sent.read(), "f4").reshape(2, 4)[:, :3], expected, rtol=1e-4)
+    for thing in (*data.values(), sent):
+        thing.release()
+
+
 KERNEL = """#version 430
 layout(local_size_x = 1) in;
 #include "inputs/visibility/seen_layers.glsl"

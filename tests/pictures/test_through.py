@@ -3,18 +3,23 @@
 import numpy as np
 import pytest
 
-from glcloth.fabric import load_fabric
+from glcloth.fabric import Transmission, load_fabric
 from glcloth.geometry import shapes
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
+from glcloth.geometry.props import Objects
 from glcloth.gpu.gbuffer import Drawn
 from glcloth.light.environment import from_array
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.picture.cloths import Cloth
-from glcloth.tracing.energy import directional_albedo, mean_albedo, reflection_limit
+from glcloth.tracing.energy import directional_albedo, hemisphere, mean_albedo, reflection_limit
 from glcloth.twins import sheet
+from glcloth.twins.cloth import f_cloth
+from glcloth.visibility.finer import cuts
+from glcloth.visibility.sheets import sees_through
 
 SIZE = (9, 7)
+DARK = from_array("dark", np.full((8, 16, 3), 1e-9))
 NO_LIGHT = Lights(SphericalGaussians([[0, 1, 0]], [0.0], [[0.0, 0.0, 0.0]]))
 EVEN = Lights(SphericalGaussians([[0, 1, 0]], [0.0], [[1.0, 1.0, 1.0]]))
 WHITE = from_array("white", np.ones((8, 16, 3)))
@@ -129,6 +134,103 @@ def test_a_sun_through_cloth_lights_the_ground(renderer):
     )  # fmt: skip
     T = straight(t, np.array([0, 0, 1.0])) @ [0.2126, 0.7152, 0.0722]
     np.testing.assert_allclose(got.mean((0, 1)), T / np.pi, rtol=0.02)
+
+
+def strip(place, cells=48, width=2):
+    """A sheet of so many cells, `width` of them across, in [-1, 1]: no finer vertices are wanted."""
+    u, v = (
+        grid.ravel()
+        for grid in np.meshgrid(np.linspace(-1, 1, cells + 1), (np.arange(width + 1) - width / 2) * 2 / cells)
+    )
+    first = (np.arange(width)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    corners = [first, first + 1, first + cells + 2], [first, first + cells + 2, first + cells + 1]
+    return build_mesh("strip", np.stack(place(u, v), 1), np.concatenate([np.stack(three, 1) for three in corners]))
+
+
+def test_the_mirror_of_yarns_shows_no_light_that_is_hidden(renderer):
+    """A sheet seen at a slant, and a wall that hides the light which it would mirror toward the eye."""
+    # The wall stands across the strip, a little beside its middle.
+    level, upright = strip(lambda u, v: (u, v, 0 * u)), strip(lambda u, v: (0 * u - 0.05, v, u))
+    cloths = [Cloth(level, load_fabric("sheer_voile")), Cloth(upright, load_fabric("linen"))]
+    hidden, seen = omega(-75), omega(20)
+    pictures = [
+        renderer.render(
+            cloths=cloths, camera=camera(75), lights=SphericalGaussians(axes, sharpness, amplitudes), size=SIZE, bounce=False,
+            environment=DARK,
+        )
+        for axes, sharpness, amplitudes in (
+            ([hidden, seen], [50.0, 2.0], [[9.0] * 3, [1.0] * 3]),
+            ([seen], [2.0], [[1.0] * 3]),
+        )
+    ]  # fmt: skip
+    np.testing.assert_allclose(pictures[0][3, 4], pictures[1][3, 4], rtol=0.01)
+    assert pictures[1][3, 4].min() > 0.01
+
+
+def test_a_sun_from_behind_a_sheet_that_is_fine(renderer):
+    """Rays to the sun start from its other side, and meet it no more."""
+    t, i, o = load_fabric("linen_curtain").transmission, np.array([0.3, 0.2, -1.0]) / np.sqrt(1.13), omega(20)
+    fine = strip(lambda u, v: (u, v, 0 * u), 800, 1)
+    got = renderer.render(
+        mesh=fine, camera=Camera(tuple(0.5 * o), (0.0, 0.0, 0.0), fov_deg=1.0), fabric="linen_curtain", size=(9, 9),
+        lights=Lights(NO_LIGHT.gaussians, Suns([i], [[5.0, 4.0, 3.0]])), environment=DARK, shadows="sun", threads=False,
+    )  # fmt: skip
+    f = sheet.f_through(
+        i * [1, 1, -1], o * [1, 1, -1], t.k_t, t.rho, t.roughness, t.eta_1, t.eta_2, t.diffuse, t.roughness_p
+    )
+    assert cuts([fine], 1600, 0) == 0
+    np.testing.assert_allclose(got[4, 4], f * sheet.absorption(i, o, np.array(t.tau)) * [5.0, 4.0, 3.0], rtol=0.015)
+
+
+@pytest.mark.parametrize("worn", [True, False])
+def test_what_lets_no_light_through_hides_the_sun_from_sheer_cloth(renderer, worn):
+    """A square of two triangles over sheer cloth whose triangles are cut for suns: another cloth, or an object."""
+    low = sheets(0.0)
+    square = build_mesh("square", *(lambda s: (0.2 * s[0] + [0, 0, 5.0], s[1]))(shapes.plane(40.0, 1)))
+    assert cuts([low], len(low.triangles), 2) > 0 and len(square.triangles) == 2
+    cloths = [Cloth(low, load_fabric("sheer_voile")), *([Cloth(square, load_fabric("linen"))] if worn else [])]
+    objects = None if worn else Objects((square,), (np.full((2, 3), 0.5),), graded=(True,))
+    lights = Lights(NO_LIGHT.gaussians, Suns([[0.0, 0.0, 1.0]], [[3.0, 3.0, 3.0]]))
+    look = dict(lights=lights, environment=DARK, size=(17, 16), shadows="sun", fabric="linen")
+    below = Camera((0.0, 0.0, 4.0), (0.0, 0.0, 0.0), fov_deg=120.0)
+    got = renderer.render(cloths=cloths, objects=objects, camera=below, **look)[..., 1]
+    lit = got[:, 0].mean()
+    assert lit > 0.01 and got[7:9, 5:12].max() < 0.01 * lit
+
+
+def test_one_colour_is_enough_to_see_through_cloth():
+    assert sees_through(Transmission(k_a=0.0, k_t=1.0, diffuse=0.0, tau=(0.0, 20.0, 20.0)))
+    assert not sees_through(Transmission(k_a=0.0, k_t=0.0))
+
+
+def test_rays_through_sheets_remember_the_first(renderer):
+    """Of two sheer sheets over cloth the nearer one sends light back to it."""
+    places = [strip(lambda u, v, z=z: (u, v, 0 * u + z)) for z in (0.0, 0.2, 0.3)]
+    cloths = [
+        Cloth(mesh, load_fabric(name)) for mesh, name in zip(places, ("linen", *2 * ["sheer_voile"]), strict=True)
+    ]
+    renderer.render(cloths=cloths, camera=camera(), lights=EVEN, environment=WHITE, size=SIZE, shadows="full")
+    lowest = renderer.stage.cloths[0].visibility.vertices
+    hits = np.frombuffer(lowest._data["hit_data"].read(4 * lowest.share * len(lowest.probes.points)), "u4")
+    met = hits[hits != 0xFFFFFFFF] // 2
+    first = lowest.hit_vertices.first_vertex
+    assert len(met) > 1000 and met.min() >= first[1] and met.max() < first[2]
+
+
+def test_what_a_sheet_scatters_is_of_the_light_on_its_other_side(renderer):
+    """Under a sheer sheet that alone sees the sky: `reference` finds on cloth what is let straight on and what is scattered."""
+    linen, voile = load_fabric("linen"), load_fabric("sheer_voile")
+    between = Camera((0.0, 0.0, 0.6), (0.0, 0.0, 0.0), (0, 1, 0), 1.0)
+    got = renderer.render(
+        cloths=[Cloth(sheets(0.0), linen), Cloth(sheets(1.0), voile)], camera=between, lights=EVEN, environment=WHITE,
+        size=SIZE, method="reference", cube=6,
+    )[3, 4]  # fmt: skip
+    d, weight = hemisphere()
+    f = f_cloth(d, np.array([[0.0, 0.0, 1.0]]), *linen.arrays()) * (weight / d[:, 2])[:, None]
+    t = voile.transmission
+    expected = (f * (straight(t, d) + even(t, d))).sum(0)
+    np.testing.assert_allclose(got, expected, rtol=0.03)
+    assert (expected > 1.2 * (f * straight(t, d)).sum(0)).all()
 
 
 def folds():

@@ -10,6 +10,7 @@ from glcloth.geometry.camera import Camera
 from glcloth.methods.weave_maps import far_footprint, repeat_of
 from glcloth.tracing.lamp import Lamp, Lighting
 from glcloth.tracing.shot import HangingGrid, Shot, TraceSettings
+from glcloth.tracing.threads import shows_threads
 from glcloth.tracing.tracer import Tracer
 
 WALL = -0.1
@@ -126,3 +127,16 @@ def test_each_fabric_of_a_scene_shows_its_own_threads_and_holes(ctx):
         tracer.release()
     np.testing.assert_allclose(near.mean(), far.mean(), rtol=0.01)
     assert near.std() > 0.05 * near.mean() and far.std() < 0.02 * far.mean()
+
+
+def test_threads_show_from_either_side_of_the_cloth():
+    """By the distance of the box that it hangs in, wherever the eye is."""
+    fabric = load_fabric("linen_curtain")
+    grid, size = HangingGrid(0, 4, (0.1, 0.1), (-1.0, 0.0, -0.1), (1.0, 2.0, 0.1)), (64, 48)
+    near = far_footprint(fabric) / (2.0 * np.tan(np.radians(17.5)) / 48)
+    for way in ((0, 0, 1), (0, 0, -1), (1, 0, 0), (-1, 0, 0), (0, -1, 0)):
+        face = np.array([0.0, 1.0, 0.0]) + np.array(way) * (1.0, 1.0, 0.1)
+        for share, shows in ((0.9, True), (1.1, False)):
+            eye = face + share * near * np.array(way)
+            camera = Camera(tuple(eye), (0.0, 1.0, 0.0), (0.3, 0.5, 0.2))
+            assert shows_threads(Shot(camera, size, fabric), fabric, grid) is shows

@@ -9,7 +9,7 @@ from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh
 from glcloth.gpu import layout, shader
 from glcloth.gpu.buffers import Buffer, TextureBuffer
-from glcloth.gpu.gbuffer import GBuffer, MeshBuffers
+from glcloth.gpu.gbuffer import Drawn, GBuffer, MeshBuffers
 from glcloth.gpu.programs import Programs
 
 STRUCTS = layout.shared()[1]
@@ -137,6 +137,34 @@ def test_frames_face_the_viewer_and_are_orthonormal(ctx):
     assert np.abs(np.sum(N[seen][:, :3] * x[seen][:, :3], 1)).max() < 1e-5
     omega_o = -rays / np.linalg.norm(rays, axis=-1, keepdims=True)
     assert np.sum(N[..., :3] * omega_o, -1)[seen].min() > 0.015
+
+
+def test_bands_lose_no_triangle(ctx):
+    """However small it is or wherever it begins: splinters less than a pixel high, and a floor that runs behind the eye."""
+    rng = np.random.default_rng(3)
+    corners = rng.uniform((-1.0, -0.7, 0.0), (1.0, 0.7, 0.3), (150, 1, 3)) + rng.normal(0.0, 1.0, (150, 3, 3)) * (
+        0.1,
+        0.006,
+        0,
+    )
+    floor = np.array([[[-9, -0.5, -9], [9, -0.5, -9], [0, -0.5, 30]]], float)
+    positions = np.concatenate([corners, floor]).reshape(-1, 3)
+    mesh = build_mesh("splinters", positions, np.arange(len(positions)).reshape(-1, 3))
+    camera, size = Camera((0.0, 0.1, 3.0), (0.0, 0.0, 0.0)), (40, 48)
+    buffer, buffers, found = GBuffer(ctx, size), MeshBuffers(ctx, mesh), []
+    wanted = Drawn(buffers, camera, (0.0, 0.0), (0.05, 60.0))
+    for rows in (48, 7, 1):
+        buffer.forget()
+        for _ in buffer.draw_bands(wanted, rows):
+            pass
+        found.append(buffer.frame("frame_p").read())
+    assert found[0] == found[1] == found[2]
+    covered = buffer.covered()[::-1]
+    assert 0.3 < covered.mean() < 0.9
+    hit, missed = (tuple(map(int, np.argwhere(covered == seen)[0][::-1])) for seen in (True, False))
+    assert buffer.triangle_at(*missed) is None and 0 <= buffer.triangle_at(*hit) <= 150
+    buffer.release()
+    buffers.release()
 
 
 def test_the_back_of_a_sheet_keeps_its_yarns(ctx):

@@ -31,6 +31,24 @@ def test_rays_go_through_the_pixels_that_the_matrix_puts_their_points_into(ortho
         toward = one.viewpoint[:3] - one.viewpoint[3] * p
         unit = [v / np.linalg.norm(v, axis=1, keepdims=True) for v in (toward, d)]
         np.testing.assert_allclose(unit[0], -unit[1], atol=1e-6)
+        vary = one.ray_from_pixel if ortho is None else one.origin_from_pixel
+        begin = np.array([one.origin_from_pixel((160, 80)) @ (x, y, 1) for x in (0, 160) for y in (0, 80)])
+        assert np.abs(begin).max() <= camera.reach
+        steps = [vary(SIZE) @ np.subtract(next_to, (40, 30, 1)) for next_to in ((41, 30, 1), (40, 31, 1))]
+        np.testing.assert_allclose(one.step_from_pixel(SIZE)[:, :2], np.transpose(steps), atol=1e-9)
+
+
+@pytest.mark.parametrize("size", [(160, 120), (60, 200)])
+def test_a_framed_ball_just_fits_the_shorter_side(size):
+    camera = Camera.framing((1.0, 2.0, 3.0), 0.7, fov_deg=50.0, aspect=size[0] / size[1])
+    right, up, forward = camera.axes
+    way = float(np.linalg.norm(np.subtract(camera.target, camera.eye)))
+    rim = np.sqrt(way**2 - 0.7**2)  # where rays touch it
+    for side, length in ((right, size[0]), (up, size[1])):
+        at = np.array(camera.eye) + rim * (forward * rim + side * 0.7) / way
+        clip = camera.clip_from_world(size, 0.1, 10.0) @ [*at, 1.0]
+        reach = np.abs(clip[:2] / clip[3]).max() * length / min(size)
+        assert reach == pytest.approx(1.0, abs=1e-6)
 
 
 @pytest.mark.parametrize("ortho", [None, 1.7])
