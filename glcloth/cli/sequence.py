@@ -13,7 +13,7 @@ from cyclopts import Parameter
 
 from ..errors import InputError
 from ..files import atomic_write, check_writable
-from ..progress import say, track
+from ..progress import note, track
 from .common import Device, Json, output_option, tell, whole
 from .many import Many, template
 from .options import SceneOptions, scene_of
@@ -181,8 +181,8 @@ def drape(
         if output.suffix.lower() == ".npz":
             with atomic_write(output) as temporary:
                 temporary.write_bytes(packed(positions, size))
-            say(f"{output}: {positions.shape[0]} x {positions.shape[1]} vertices")
+            note(f"{output}: {positions.shape[0]} x {positions.shape[1]} vertices")
             return
         mesh = piece_mesh(piece, positions, size)
     save_mesh(output, mesh)
-    say(f"{output}: {len(mesh.triangles)} triangles")
+    note(f"{output}: {len(mesh.triangles)} triangles")

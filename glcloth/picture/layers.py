@@ -39,14 +39,16 @@ AOVS = (*CHANNELS, "cryptomatte")
 
 
 def chosen(names: str | Iterable[str]) -> tuple[str, ...]:
-    """The names of layers, each once; a text has them with commas between. Raises InputError for unknown ones."""
+    """The names of layers, each once; a text has them with commas between, `all` is all. Raises InputError for unknown ones."""
     names = names.split(",") if isinstance(names, str) else list(names)
     names = [str(name).strip() for name in names]
+    if "all" in names:
+        return AOVS
     for name in names:
         if name not in AOVS:
             close = difflib.get_close_matches(name, AOVS, 1)
             hint = f"did you mean {close[0]}? " if close else ""
-            raise InputError(f"aov {name!r}: unknown; {hint}expected some of {','.join(AOVS)}")
+            raise InputError(f"aov {name!r}: unknown; {hint}expected some of {','.join(AOVS)}, or all")
     return tuple(dict.fromkeys(names))
 
 

@@ -120,7 +120,7 @@ class Renderer:
         lights : Lights or SphericalGaussians in world space instead of a fit of the environment
         camera : Camera, or scene.View such as View(view="side", ortho=2.0), instead of the scene's
         aovs : names of layers for compositing: depth, normal, position, uv, albedo, direct, bounce, transmission, background,
-            mask, cryptomatte; see docs/pictures.md
+            mask, cryptomatte, or "all"; see docs/pictures.md
         any other keyword : a field of Scene, for example method="reference", size=(320, 240), spp=4
 
         Returns an image.Picture: float32 [H, W, 3], linear Rec. 709, top row first; [H, W, 4] with premultiplied alpha when
