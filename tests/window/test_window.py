@@ -165,6 +165,11 @@ def test_the_draft_is_drawn_on_by_the_mouse(woven):
     assert woven["tied"] == [True, [False, False]] and woven["crimp"]
 
 
+def test_threads_are_painted_on_the_strips(woven):
+    """A drag of the pen colours the threads it passes in one step of undo; the right button takes up a colour."""
+    assert woven["painted"] == [[False, True, True, False], True, True] and woven["taken_up"]
+
+
 def test_drafts_are_saved_loaded_and_dropped(woven):
     assert woven["saved"] and woven["fabric_saved"] and woven["loaded"]
     assert woven["dropped"] == [True, True] and woven["bad"] == [True, True, True] and woven["errors"] == 1
