@@ -94,15 +94,11 @@ def _layers(aov: str | None, scene: Scene, output: Path) -> tuple[str, ...]:
     """The layers that were asked for. Raises InputError where there are none such, or no place for them."""
     if aov is None:
         return ()
-    from ..picture.curtain_layers import check_names
     from ..picture.layers import chosen
 
     if output.suffix.lower() != ".exr":
         raise InputError(f"{output}: --aov writes layers, expected frames such as frames/%04d.exr")
-    names = chosen(aov)
-    if scene.curtain is not None:
-        check_names(names, scene.method)
-    return names
+    return chosen(aov, scene.method)
 
 
 def _film_here(film: Film, start: int, video: bool) -> None:

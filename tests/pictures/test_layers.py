@@ -179,6 +179,22 @@ def test_other_programs_read_the_file(renderer, tmp_path):
         np.testing.assert_array_equal(read_image(path, name), np.atleast_3d(out[name]), err_msg=name)
 
 
+def test_path_has_layers_of_what_is_seen(renderer):
+    """Those of sixteen samples, beside the picture by paths; no kinds of light, which are one sum."""
+    look = FAST | {"mesh": wall(half=0.6), "camera": Camera((0, 0, 4)), "objects": ("sphere",)}
+    seen = renderer.render(aovs=AOVS, **look, spp=16, shadows="off")
+    by_path = look | {"method": "path", "spp": 2}
+    alone = renderer.render(**by_path)
+    traced = renderer.render(aovs="all", **by_path)
+    assert set(traced) == set(seen) - set(LIGHT)
+    np.testing.assert_array_equal(traced["beauty"], alone)
+    for name in set(traced) - {"beauty"}:
+        np.testing.assert_array_equal(traced[name], seen[name], err_msg=name)
+    assert renderer.facts()["method"] == "path" and renderer.covered_pixels() > 0
+    with pytest.raises(InputError, match="one sum"):
+        renderer.render(aovs="depth,bounce", **by_path)
+
+
 @pytest.mark.parametrize(
     ("words", "said"),
     [
