@@ -158,13 +158,9 @@ class Renderer:
         before = self._target, self._by_path
         plain = {"method": "direct", "spp": PATH_SAMPLES, "shadows": "off", "adaptive": False}
         bare = replace(frame, scene=frame.scene.model_copy(update=plain))
-        surfaces, target = self.stage.take(bare), self._targets.get(bare.scene.size, True)
+        self.stage.take(bare)
         gathering = Gathering(names, bare)
-        cameras = lens_samples(frame.camera, PATH_SAMPLES)
-        for number, offset in enumerate(sample_offsets(PATH_SAMPLES)):
-            at = replace(bare, camera=cameras[number])
-            drain(self._see(target, at, offset, (number, PATH_SAMPLES), Pace()))
-            gathering.see(target, surfaces, cameras[number], number)
+        self._passes.gather(bare, self._targets.get(bare.scene.size, True), gathering)
         if before[0] is not None and self._targets.holds(before[0]):
             self._target, self._by_path = before
         return gathering.result(picture)

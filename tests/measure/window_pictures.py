@@ -82,7 +82,9 @@ def curtain(folder):
     both = Image.new("RGB", (window.width + 8 + tree.width, max(window.height, tree.height)), (24, 24, 24))
     both.paste(window, (0, 0))
     both.paste(tree, (window.width + 8, (both.height - tree.height) // 2))
-    both.resize((both.width * 2 // 3, both.height * 2 // 3), Image.Resampling.LANCZOS).save(folder / "window_curtain.png")
+    both.resize((both.width * 2 // 3, both.height * 2 // 3), Image.Resampling.LANCZOS).save(
+        folder / "window_curtain.png"
+    )
     app.close()
 
 
