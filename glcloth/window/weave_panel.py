@@ -10,6 +10,7 @@ import numpy as np
 
 from ..color import srgb_encode
 from ..fabric import Fabric
+from ..weave.draft import Draft
 from ..weave.loom import Loom
 from ..weave.model import Irregularity, Weave
 from ..weave.named import WEAVES
@@ -58,6 +59,8 @@ class WeavePanel(Panel):
         super().__init__(actions)
         self.files = files
         self._loom: Loom | None = None  # may be several repeats of the weave's draft
+        # Since the last edit: the loom and the draft that the buttons + and - repeat, and the loom that they made.
+        self._repeated: tuple[Loom, Draft, Loom] | None = None
         self._pen, self._said = Pen(), HINT
         self._held: tuple[Cell, bool, Grid] | None = None  # where the pointer draws, what, and on which grid it began
 
@@ -138,9 +141,9 @@ class WeavePanel(Panel):
                 imgui.begin_disabled(not all(1 <= n <= MOST for n in size[key]))
                 pressed = imgui.small_button(f"{sign}##{word}")
                 imgui.end_disabled()
-                tip("the repeat on the grid; a new thread is like the first ones")
+                tip("threads on the grid; new ones go on with the repeat that was there")
                 if pressed:
-                    self._take(loom.resized(*size[key]), None)
+                    self._resize(loom, fabric.weave.drafted, size[key])
             if word == "ends":
                 imgui.same_line(0.0, 24 * self.actions.layout.scale)
         for item in SETT:
@@ -207,14 +210,25 @@ class WeavePanel(Panel):
         assert self._loom is not None
         return self._loom
 
-    def _take(self, loom: Loom, gesture: str | None) -> None:
-        """Show another loom, and weave what it weaves."""
+    def _resize(self, loom: Loom, draft: Draft, size: tuple[int, int]) -> None:
+        """So many picks and ends: the repeat of before the first press goes on, and comes back."""
+        if self._repeated is None or self._repeated[2] is not loom:
+            self._repeated = loom, draft, loom
+        first, like, _ = self._repeated
+        new = first.resized(*size)
+        self._repeated = first, like, new
+        self._take(new, None, like)
+
+    def _take(self, loom: Loom, gesture: str | None, like: Draft | None = None) -> None:
+        """Show another loom, and weave what it weaves with threads as those of `like`, or as they are."""
         weave = self.session.fabric.weave
         assert weave is not None
         before, self._loom = self._loom, loom
-        draft = loom.draft(weave.drafted).reduced()
-        draft = replace(draft, title=f"{draft.title.removesuffix(EDITED)}{EDITED}")
-        if np.array_equal(draft.drawdown, weave.drafted.drawdown):
+        source = like or weave.drafted
+        draft = loom.draft(source).reduced()
+        if draft != source:
+            draft = replace(draft, title=f"{draft.title.removesuffix(EDITED)}{EDITED}")
+        if draft == weave.drafted:
             return
 
         def edit() -> None:

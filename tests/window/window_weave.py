@@ -150,6 +150,10 @@ def walk(folder):
     hand.keep("no_weave")
     hand.click("Give it a plain weave", 0.3)
     out["given"] = [app.session.fabric.weave.far, app.session.fabric.yarn == bare_fabric.yarn]
+    out["goes_on"] = []
+    for _ in range(2):
+        hand.click("+##ends")
+        out["goes_on"] += [app.panels.weave._loom.threading.tolist(), app.session.fabric.weave.drafted.title]
     out["gl_error"] = app.host.ctx.error
     out["errors"] += sum(kind == "error" for kind, _ in app.messages.lines)
     out["plain"] = list(plain.shape)
