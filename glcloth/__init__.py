@@ -23,6 +23,7 @@ _PUBLIC = {
     "View": "scene",
     "Weave": "weave.model",
     "Yarn": "fabric",
+    "compare": "metrics",
     "fit_lights": "light.fit",
     "load_draft": "weave.wif",
     "load_environment": "light.environment",

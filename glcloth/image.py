@@ -62,7 +62,8 @@ def read_image(path: str | Path, layer: str = "") -> np.ndarray:
     tiles, other chromaticities), Radiance .hdr (all orientations and codes, exposure divided out), PNG and JPEG (8 or 16
     bits, decoded with the sRGB curve). Samples are returned as they are, infinities included.
 
-    layer : of an OpenEXR file with several, the one to read; "": the picture proper
+    layer : of an OpenEXR file with several, the one to read; "": the picture proper. Those that are no pictures, by our
+        names or the file's: normal and position [H, W, 3], uv [H, W, 2], depth and mask [H, W, 1]
 
     Raises InputError when the file is missing, empty, cut short, too large, of another kind, of an unknown suffix, or
     without such a layer.

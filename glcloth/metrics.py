@@ -48,10 +48,30 @@ def flip(test: np.ndarray, reference: np.ndarray) -> float:
 METRICS = {"flip": flip, "rmse": rmse, "relmse": relmse, "psnr": psnr}
 
 
-def compare(test: np.ndarray, reference: np.ndarray, metrics=tuple(METRICS)) -> dict[str, float]:
-    """All metrics of a test picture against a reference, linear [H, W, 3]. Raises InputError when the sizes differ."""
+BETTER_ABOVE = {"psnr"}
+
+
+def compare(
+    test: np.ndarray, reference: np.ndarray, metrics=tuple(METRICS), where: np.ndarray | None = None
+) -> dict[str, float]:
+    """Metrics of a test picture against a reference, linear [H, W, 3], by their names: flip, rmse, relmse, psnr.
+
+    where : bool [H, W], the pixels that count, such as those of the cloth: a background that is equal in both would dilute
+        all means.
+
+    Raises InputError when the sizes differ, and where no pixel counts.
+    """
     check_alike(test, reference, "compare")
-    return {name: METRICS[name](test[..., :3], reference[..., :3]) for name in metrics}
+    test, reference = np.asarray(test)[..., :3], np.asarray(reference)[..., :3]
+    if where is None:
+        return {name: METRICS[name](test, reference) for name in metrics}
+    check_alike(where, reference, "compare, where")
+    if not where.any():
+        raise InputError("compare: no pixel counts; expected a mask that is not black")
+    values = {name: METRICS[name](test[where], reference[where]) for name in metrics if name != "flip"}
+    if "flip" in metrics:  # which looks at neighbours
+        values["flip"] = float(flip_map(test, reference)[where].mean())
+    return {name: values[name] for name in metrics}
 
 
 def difference(test: np.ndarray, reference: np.ndarray, scale: float = 8.0) -> np.ndarray:

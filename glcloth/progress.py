@@ -12,6 +12,7 @@ from .errors import limited, printable
 
 T = TypeVar("T")
 _stopped = False
+_quiet = False
 BAR_AFTER = 1.0  # seconds of work after which a terminal shows a bar
 SAY_EVERY = 10.0  # seconds between two lines elsewhere
 
@@ -36,6 +37,12 @@ def check_stopped() -> None:
     """Raise KeyboardInterrupt if Ctrl-C was pressed and a library that was being imported swallowed it."""
     if _stopped:
         raise KeyboardInterrupt
+
+
+def be_quiet(quiet: bool) -> None:
+    """Whether from now on only errors and results are printed: no progress, no warnings, no notes."""
+    global _quiet
+    _quiet = quiet
 
 
 def drain(steps: Iterable) -> None:
@@ -78,7 +85,7 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
             check_stopped()
             now = time.monotonic()
             if terminal:
-                if bar is None and now - begin > BAR_AFTER:
+                if bar is None and now - begin > BAR_AFTER and not _quiet:
                     bar = _bar()
                     task = bar.add_task(printable(what), total=total)
                     bar.start()
@@ -86,7 +93,7 @@ def track(items: Iterable[T], what: str, total: int | None = None) -> Iterator[T
                     bar.update(task, completed=done)
             elif now - said > SAY_EVERY:
                 said = now
-                say(f"glcloth: {what}: {done}{f' of {total}' if total is not None else ''}")
+                note(f"glcloth: {what}: {done}{f' of {total}' if total is not None else ''}")
             yield item
     finally:
         if bar is not None:
@@ -107,6 +114,12 @@ def say(line: str) -> None:
     print(limited(printable(line)), file=sys.stderr, flush=True)
 
 
+def note(line: str) -> None:
+    """Say what nobody has to know: progress, warnings, what was written; nothing where one asked for quiet."""
+    if not _quiet:
+        say(line)
+
+
 def show(lines: Iterable[str]) -> None:
     """Print a result for people on stdout, line by line; names in it are made printable."""
     for line in lines:
@@ -121,4 +134,4 @@ def warn(line: str) -> None:
     """Print one warning on stderr; the same line is said once per process."""
     if line not in _warned:
         _warned.add(line)
-        say(f"glcloth: warning: {line}")
+        note(f"glcloth: warning: {line}")

@@ -14,7 +14,7 @@ from cyclopts import App, CycloptsError, MissingArgumentError, UnusedCliTokensEr
 
 from .. import __version__
 from ..errors import DriverError, InputError, NoOpenGLError, ShaderError
-from ..progress import hear_ctrl_c, say, was_stopped
+from ..progress import be_quiet, hear_ctrl_c, say, was_stopped
 from .export import export
 from .light import env, tables
 from .measure import bench, check, diff, info
@@ -26,7 +26,8 @@ from .weave import fabrics, weave
 
 ABOUT = """Woven cloth as it really looks, on OpenGL.
 
-Exit codes: 0 done, 1 a fault of glcloth, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C.
+Exit codes: 0 done, 1 a fault of glcloth, 2 wrong input, 3 no usable OpenGL, 4 diff: beyond the --limit, 130 stopped by Ctrl-C.
+--quiet (-q) with any command: only errors and results are printed, no progress, no warnings.
 GLCLOTH_CACHE names the folder for fits and tables made on this machine (`glcloth info` shows it).
 """
 app = App(name="glcloth", help=ABOUT, version=__version__, help_format="plaintext", suppress_keyboard_interrupt=False)
@@ -91,9 +92,23 @@ def _with_negative_values(arguments: list[str]) -> list[str]:
     return out
 
 
+def _open_streams() -> None:
+    """Streams that the caller has closed (`2>&-`) lead nowhere: else the next file that is opened would take their place."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))
+
+
+QUIET = {"-q", "--quiet"}
+
+
 def main(arguments: list[str] | None = None) -> None:
-    """Run one command. Exit 0 done, 1 a fault of ours, 2 wrong input, 3 no usable OpenGL, 130 stopped by Ctrl-C."""
-    arguments = _with_negative_values(_with_heights(sys.argv[1:] if arguments is None else arguments))
+    """Run one command. Exit 0 done, 1 a fault of ours, 2 wrong input, 3 no usable OpenGL, 4 pictures beyond the limit of
+    `diff`, 130 stopped by Ctrl-C."""
+    _open_streams()
+    words = sys.argv[1:] if arguments is None else arguments
+    be_quiet(not QUIET.isdisjoint(words))
+    arguments = _with_negative_values(_with_heights([word for word in words if word not in QUIET]))
     hear_ctrl_c()
     try:
         with _quiet_libraries():
@@ -120,6 +135,8 @@ def _usage(error: Exception) -> str:
     if isinstance(error, MissingArgumentError) and error.argument is not None and "Did you mean" not in str(error):
         argument = error.argument
         given = error.keyword is not None or bool(argument.tokens)  # such as --fabric at the end
+        if given and "-o" in argument.names:
+            return f"{error.keyword or argument.name}: expected the name of a file after it; see {command} --help"
         if given:
             return f"{error.keyword or argument.name}: expected a value after it; see {command} --help"
         name = f"{argument.name} (-o)" if "-o" in argument.names else argument.name

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 from cyclopts import Parameter, Token
 
 from ..errors import short
-from ..progress import say
+from ..progress import note
 
 Json = Annotated[bool, Parameter(name="--json", negative="", help="Print one JSON object on stdout.")]
 Device = Annotated[
@@ -41,4 +41,4 @@ def tell(as_json: bool, result: dict, *lines: str) -> None:
         print(json.dumps(result), flush=True)
     else:
         for line in lines:
-            say(line)
+            note(line)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from ..progress import say
+from ..progress import note
 from .common import Json, output_option, tell
 
 
@@ -46,7 +46,7 @@ def export(
     done = write(chosen, output)
     result = {"fabric": chosen.name, **done.as_dict()}
     if picture is not None and done.model is None:
-        say(f"glcloth: warning: {picture}: is not written, for want of Mitsuba, which draws the export")
+        note(f"glcloth: warning: {picture}: is not written, for want of Mitsuba, which draws the export")
     elif picture is not None:
         write_image(picture, sphere_pictures(done.model, chosen))
         result["picture"] = str(picture)

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import App, Parameter
 
 from ..errors import InputError, NoOpenGLError
-from ..progress import show
+from ..progress import say, show
 from .common import Device, Json, output_option, tell, whole
 from .options import SceneOptions, scene_of
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 def diff(
@@ -23,6 +27,15 @@ def diff(
     *,
     metric: Annotated[
         Literal["flip", "rmse", "relmse", "psnr"] | None, Parameter(help="One metric; default: all.")
+    ] = None,
+    mask: Annotated[
+        Path | None,
+        Parameter(
+            help="Picture of the pixels that count: its alpha, the layer mask, or else its brightness above a half."
+        ),
+    ] = None,
+    limit: Annotated[
+        float | None, Parameter(help="Exit 4 if the metric is worse than this; needs --metric.", negative="")
     ] = None,
     scale: Annotated[float, Parameter(help="Brightness of the difference picture.")] = 8.0,
     output: Annotated[Path | None, output_option("Difference picture to write, .png or .exr.")] = None,
@@ -38,15 +51,20 @@ def diff(
         The reference.
     """
     from ..image import check_output, read_image, write_image
-    from ..metrics import METRICS, check_alike, compare, difference
+    from ..metrics import BETTER_ABOVE, METRICS, check_alike, compare, difference
 
     if not scale > 0:
         raise InputError(f"--scale {scale}: expected a number above 0")
+    if limit is not None and metric is None:
+        raise InputError(f"--limit {limit:g}: of which metric? say --metric flip, rmse, relmse or psnr")
     if output is not None:
         check_output(output)
     test, reference = read_image(a), read_image(b)
     check_alike(test, reference, f"{a}, {b}")
-    values = compare(test, reference, [metric] if metric else METRICS)
+    counts = None if mask is None else _counts(mask)
+    if counts is not None:
+        check_alike(counts, reference, f"{mask}, {b}")
+    values = compare(test, reference, [metric] if metric else METRICS, counts)
     if output is not None:
         write_image(output, difference(test, reference, scale))
     if json:
@@ -54,6 +72,22 @@ def diff(
         tell(True, {"a": str(a), "b": str(b), **values, **({"file": str(output)} if output else {})}, "")
     else:
         show(["  ".join(f"{name} {value:.6g}" for name, value in values.items())])
+    if limit is not None and metric is not None:
+        value = values[metric]
+        if (value < limit) if metric in BETTER_ABOVE else not value <= limit:
+            say(f"glcloth: {a}, {b}: {metric} {value:.6g} is beyond the limit, {limit:g}")
+            sys.exit(4)
+
+
+def _counts(mask: Path) -> np.ndarray:
+    """Which pixels of two pictures count [H, W], by a picture."""
+    from ..image import read_image
+
+    if mask.suffix.lower() == ".exr":
+        with suppress(InputError):
+            return read_image(mask, "mask")[..., 0] > 0.5
+    picture = read_image(mask)
+    return (picture[..., 3] if picture.shape[2] == 4 else picture.max(axis=2)) > 0.5
 
 
 def info(*, device: Device = None, json: Json = False) -> None:

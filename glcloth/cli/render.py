@@ -42,7 +42,7 @@ def render(
         str | None,
         Parameter(
             help="Layers for compositing, in the .exr: some of depth,normal,position,uv,albedo,direct,bounce,transmission,"
-            "background,mask,cryptomatte."
+            "background,mask,cryptomatte, or all."
         ),
     ] = None,
     device: Device = None,

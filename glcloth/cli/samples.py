@@ -9,7 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from ..errors import InputError
-from ..progress import say, track
+from ..progress import note, track
 from .common import Device, Json, tell, whole
 
 FABRIC, DRAFT, MESH, MAP, PRINT, MASK = "mine.toml", "denim.wif", "dress.glb", "studio.exr", "roses.png", "dots.png"
@@ -52,7 +52,7 @@ def samples(
         line += f"; kept what was there: {', '.join(_short(kept, folder))}"
     tell(json, {"files": [str(p) for p in written], "kept": [str(p) for p in kept]}, line)
     if not json:
-        say(f"try: glcloth render -o mine.png --fabric {folder / FABRIC} --mesh {folder / MESH} --env {folder / MAP}")
+        note(f"try: glcloth render -o mine.png --fabric {folder / FABRIC} --mesh {folder / MESH} --env {folder / MAP}")
 
 
 def make_folder(folder: Path) -> None:

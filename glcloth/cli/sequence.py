@@ -13,7 +13,7 @@ from cyclopts import Parameter
 
 from ..errors import InputError
 from ..files import atomic_write, check_writable
-from ..progress import say, track
+from ..progress import note, track
 from .common import Device, Json, output_option, tell, whole
 from .many import Many, template
 from .options import SceneOptions, scene_of
@@ -94,15 +94,11 @@ def _layers(aov: str | None, scene: Scene, output: Path) -> tuple[str, ...]:
     """The layers that were asked for. Raises InputError where there are none such, or no place for them."""
     if aov is None:
         return ()
-    from ..picture.curtain_layers import check_names
     from ..picture.layers import chosen
 
     if output.suffix.lower() != ".exr":
         raise InputError(f"{output}: --aov writes layers, expected frames such as frames/%04d.exr")
-    names = chosen(aov)
-    if scene.curtain is not None:
-        check_names(names, scene.method)
-    return names
+    return chosen(aov, scene.method)
 
 
 def _film_here(film: Film, start: int, video: bool) -> None:
@@ -181,8 +177,8 @@ def drape(
         if output.suffix.lower() == ".npz":
             with atomic_write(output) as temporary:
                 temporary.write_bytes(packed(positions, size))
-            say(f"{output}: {positions.shape[0]} x {positions.shape[1]} vertices")
+            note(f"{output}: {positions.shape[0]} x {positions.shape[1]} vertices")
             return
         mesh = piece_mesh(piece, positions, size)
     save_mesh(output, mesh)
-    say(f"{output}: {len(mesh.triangles)} triangles")
+    note(f"{output}: {len(mesh.triangles)} triangles")

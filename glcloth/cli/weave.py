@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from ..errors import InputError
 from ..files import check_writable
-from ..progress import say, show
+from ..progress import note, show
 from .common import Device, Json, output_option, tell
 
 if TYPE_CHECKING:
@@ -63,7 +63,7 @@ def weave(
         tell(True, facts, "")
     else:
         show([fabric.name, *lines_of(facts)])
-        say(", ".join(facts[key] for key in ("file", "picture") if key in facts))
+        note(", ".join(facts[key] for key in ("file", "picture") if key in facts))
 
 
 def _woven(path: Path, flip: bool) -> tuple[Fabric, list[str]]:
@@ -123,4 +123,4 @@ def fabrics(
         sett = f"{row['ends_per_cm']:5.4g} x {row['picks_per_cm']:<5.4g}" if "weave" in row else " " * 13
         show([f"{row['name']:24} {row.get('weave', ''):14} {sett} {row['gap']:6.1%}  {row['title']}"])
     if output is not None:
-        say(str(output))
+        note(str(output))

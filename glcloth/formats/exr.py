@@ -18,6 +18,7 @@ from .primaries import converted, rec709_from
 RGB, LUMINANCE = ("R", "G", "B", "A"), ("Y", "RY", "BY", "A")
 FAULTS = (RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError, MemoryError)
 # Layers that hold the whole picture, by what programs call them.
+DATA = {"normal": "N", "position": "P", "depth": "Z"}  # layers that are no pictures, and how most programs call them
 WHOLE = ("beauty", "combined", "rgba", "rgb", "color", "c", "image", "composite")
 
 
@@ -62,12 +63,13 @@ def read_exr(path: Path, layer: str = "") -> np.ndarray:
     """Pixels [H, W, 3 or 4] of the picture in a file, linear Rec. 709, its display window.
 
     layer : the layer or part to take; "": the first part with plain R, G, B (one called beauty before others), then Y,
-        then any layer, and a warning says which one where there are several. Raises InputError for a name that is not
-        there, and for a file that is damaged or too large.
+        then any layer, and a warning says which one where there are several. A layer that is no picture is found by its
+        name alone: vectors as [H, W, 3 or 2], single values such as depth as [H, W, 1]. Raises InputError for a name that
+        is not there, and for a file that is damaged or too large.
     """
     headers = [part.header for part in open_exr(path, header_only=True)]
     _check_size(path, headers)
-    chosen = _chosen(path, _layers(headers), layer)
+    chosen = _data_layer(headers, layer) or _chosen(path, _layers(headers), layer)
     try:
         part = open_exr(path)[chosen.part]
         planes = {role: _full_size(part.channels[name]) for role, name in chosen.channels.items()}
@@ -111,10 +113,7 @@ def _layers(headers: list[dict]) -> list[_Layer]:
     """All pictures of a file, the likeliest first."""
     found: list[tuple[tuple, _Layer]] = []
     for number, header in enumerate(headers):
-        groups: dict[str, dict[str, str]] = {}
-        for channel in header.get("channels") or ():
-            prefix, _, role = channel.name.rpartition(".")
-            groups.setdefault(prefix, {})[role.upper()] = channel.name
+        groups = _groups(header)
         part = str(header.get("name") or "") if len(headers) > 1 else ""
         for prefix, roles in groups.items():
             for rank, wanted in enumerate((RGB, LUMINANCE)):
@@ -127,6 +126,31 @@ def _layers(headers: list[dict]) -> list[_Layer]:
                     found.append((key, _Layer(number, name, channels, prefix == "")))
                     break
     return [layer for _, layer in sorted(found, key=lambda item: item[0])]
+
+
+def _groups(header: dict) -> dict[str, dict[str, str]]:
+    """The channels of a part by the name of their layer and their role in it."""
+    groups: dict[str, dict[str, str]] = {}
+    for channel in header.get("channels") or ():
+        prefix, _, role = channel.name.rpartition(".")
+        groups.setdefault(prefix, {})[role.upper()] = channel.name
+    return groups
+
+
+def _data_layer(headers: list[dict], wanted: str) -> _Layer | None:
+    """The layer of a name that holds vectors (x y z or u v) or one value a pixel, if there is one; not plain Y."""
+    wanted = DATA.get(wanted.lower(), wanted)
+    for number, header in enumerate(headers) if wanted else ():
+        groups = _groups(header)
+        roles = groups.get(wanted, {})
+        for names in (("X", "Y", "Z"), ("U", "V")):
+            if set(roles) == set(names):
+                return _Layer(number, wanted, {new: roles[old] for new, old in zip("RGB", names, strict=False)}, False)
+        single = list(roles.values()) if len(roles) == 1 and "Y" not in roles else []
+        single += [name for name in groups.get("", {}).values() if name == wanted]
+        if single:
+            return _Layer(number, wanted, {"R": single[0]}, False)
+    return None
 
 
 def _chosen(path: Path, layers: list[_Layer], wanted: str) -> _Layer:

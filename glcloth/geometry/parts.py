@@ -48,7 +48,8 @@ def chosen(meshes: Sequence[Mesh], patterns: Sequence[str], what: str = "fabrics
             listed = ", ".join(known[:SHOWN]) + (f" and {len(known) - SHOWN} more" if len(known) > SHOWN else "")
             by_case = {name.casefold(): name for name in known}
             close = difflib.get_close_matches(pattern.casefold(), by_case, 1, 0.5)
-            hint = f"; did you mean {by_case[close[0]]}?" if close else ""
+            longer = any(pattern.casefold() in name for name in by_case) and not set("*?") & set(pattern)
+            hint = f"; did you mean {by_case[close[0]]}?" if close else f"; did you mean *{pattern}*?" if longer else ""
             hint += "; a colour of a fabric mask is #rgb or #rrggbb" if pattern.startswith("#") and not hint else ""
             raise InputError(f"{what}: no part is called {pattern}, expected {listed}{hint}")
 

@@ -111,6 +111,8 @@ def load_environment(name_or_path: str | Path, layer: str = "", layout: str = "a
             f"{path}: cannot read {path.suffix or 'a file without suffix'} as an environment, expected .exr or .hdr"
         )
     image = read_image(path, layer)[..., :3]
+    if image.shape[2] < 3:
+        raise InputError(f"{path}: layer {layer}: holds no colours, expected light; choose another --layer")
     if layout == "auto":
         layout = guessed(image, path.suffix.lower() == ".exr" and is_cube(path))
         if layout != "equirect":

@@ -12,23 +12,13 @@ import numpy as np
 from ..accel.queries import RayQueries
 from ..cryptomatte import ranked
 from ..curtain.show import CLOTH, CurtainShow, camera_of
-from ..errors import InputError
 from ..geometry.camera import Camera, lens_samples, sample_offsets
 from ..progress import check_stopped
 from ..tracing.energy import mean_albedo, reflection_limit
 from ..twins.octahedron import from_octahedral
-from .layers import CHANNELS, CRYPTOMATTE, FAR, LIGHT, Layers
+from .layers import CHANNELS, CRYPTOMATTE, FAR, LIGHT, PATH_SAMPLES, Layers
 
 RAYS = 1 << 18  # at a time
-PATH_SAMPLES = 16  # of method path, whose own may be a million
-
-
-def check_names(names: Sequence[str], method: str) -> None:
-    """Raise InputError for layers of light where method path traces the curtain: its paths are one sum."""
-    if method == "path" and (wrong := [name for name in names if name in LIGHT]):
-        raise InputError(
-            f"aov {wrong[0]}: method path keeps kinds of light in one sum; take method trace, or leave it out"
-        )
 
 
 def curtain_layers(show: CurtainShow, names: Sequence[str], picture: np.ndarray) -> Layers:

@@ -34,19 +34,29 @@ CHANNELS = {
     "mask": ("mask.A",),
 }
 LIGHT = ("direct", "bounce", "transmission", "background")  # their sum is the picture
+PATH_SAMPLES = 16  # that layers of geometry have by method path, whose own samples may be a million
 CRYPTOMATTE = ("CryptoObject", "CryptoMaterial")
 AOVS = (*CHANNELS, "cryptomatte")
 
 
-def chosen(names: str | Iterable[str]) -> tuple[str, ...]:
-    """The names of layers, each once; a text has them with commas between. Raises InputError for unknown ones."""
+def chosen(names: str | Iterable[str], method: str = "") -> tuple[str, ...]:
+    """The names of layers, each once; a text has them with commas between, `all` is all that the method has.
+
+    Raises InputError for unknown ones, and for layers of light by method path, whose paths are one sum.
+    """
     names = names.split(",") if isinstance(names, str) else list(names)
     names = [str(name).strip() for name in names]
+    if "all" in names:
+        return tuple(name for name in AOVS if method != "path" or name not in LIGHT)
     for name in names:
         if name not in AOVS:
             close = difflib.get_close_matches(name, AOVS, 1)
             hint = f"did you mean {close[0]}? " if close else ""
-            raise InputError(f"aov {name!r}: unknown; {hint}expected some of {','.join(AOVS)}")
+            raise InputError(f"aov {name!r}: unknown; {hint}expected some of {','.join(AOVS)}, or all")
+        if method == "path" and name in LIGHT:
+            raise InputError(
+                f"aov {name}: method path keeps kinds of light in one sum; take another method, or leave it out"
+            )
     return tuple(dict.fromkeys(names))
 
 
@@ -139,7 +149,7 @@ class Gathering:
         """All layers, of this picture."""
         out = Layers()
         out["beauty"] = picture
-        lit = {**self._lit, "background": picture[..., :3] - self._lit["whole"]}
+        lit = {**self._lit, "background": picture[..., :3] - self._lit["whole"]} if self._lit else {}
         for name in self.names:
             if name == "cryptomatte":
                 for layer, coverage in self._coverage.items():

@@ -58,6 +58,14 @@ class Passes:
         if frame.scene.background:
             self.background.draw(frame, target.framebuffer)
 
+    def gather(self, frame: Frame, target: Target, gathering: Gathering) -> None:
+        """Give `gathering` what all samples of a frame see; nothing is shaded."""
+        samples, cameras = sample_offsets(frame.scene.spp), lens_samples(frame.camera, frame.scene.spp)
+        for number, offset in enumerate(samples):
+            seen = replace(frame, camera=cameras[number])
+            drain(self._see(target, seen, offset, (number, len(samples)), Pace()))
+            gathering.see(target, self.stage.surfaces, cameras[number], number)
+
     def _trace(self, pace: Pace) -> None:
         """Trace the missing directions of the vertices, or as many as a first impression needs."""
         seeing = [surface.visibility for surface in self.stage.surfaces]

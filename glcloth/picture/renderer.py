@@ -27,7 +27,7 @@ from ..scene import MethodName, Quality, Scene, View, load_scene
 from ..tracing.denoise import denoised
 from .background import Background
 from .frame import Frame, Frames
-from .layers import LIGHT, Gathering, Layers, chosen
+from .layers import LIGHT, PATH_SAMPLES, Gathering, Layers, chosen
 from .pace import Pace
 from .passes import Passes
 from .path import PathPictures
@@ -120,7 +120,7 @@ class Renderer:
         lights : Lights or SphericalGaussians in world space instead of a fit of the environment
         camera : Camera, or scene.View such as View(view="side", ortho=2.0), instead of the scene's
         aovs : names of layers for compositing: depth, normal, position, uv, albedo, direct, bounce, transmission, background,
-            mask, cryptomatte; see docs/pictures.md
+            mask, cryptomatte, or "all"; see docs/pictures.md
         any other keyword : a field of Scene, for example method="reference", size=(320, 240), spp=4
 
         Returns an image.Picture: float32 [H, W, 3], linear Rec. 709, top row first; [H, W, 4] with premultiplied alpha when
@@ -128,11 +128,10 @@ class Renderer:
         InputError for wrong input, and what the methods raise.
         """
         scene = Scene() if scene is None else load_scene(scene)
-        names = chosen(aovs)
+        names = chosen(aovs, changes.get("method", scene.method))
         if scene.curtain is not None:
-            from .curtain_layers import check_names, curtain_layers  # cloth starts without it
+            from .curtain_layers import curtain_layers  # cloth starts without it
 
-            check_names(names, changes.get("method", scene.method))
             show = self.show(scene, **changes)
             picture = show.picture(parted=bool(set(names) & set(LIGHT)))
             check_errors(self.ctx, "curtain")
@@ -144,7 +143,7 @@ class Renderer:
     def render_layers(self, frame: Frame, names: Sequence[str]) -> Layers:
         """Draw a prepared frame with its layers, all pixels shaded; result as for `render` with `aovs`."""
         if frame.scene.method == "path":
-            raise InputError("aovs: method path has its picture alone; give another method for the layers")
+            return self._path_layers(frame, chosen(names, "path"))
         if frame.scene.adaptive:
             frame = replace(frame, scene=frame.scene.model_copy(update={"adaptive": False}))
         self._last = frame
@@ -152,6 +151,19 @@ class Renderer:
         drain(self.steps(frame, announce=f"{frame.scene.method}: passes over the picture", gathering=gathering))
         picture = self.target.read()
         return gathering.result(as_picture(picture[..., :3] if frame.scene.background else picture, frame.scene))
+
+    def _path_layers(self, frame: Frame, names: Sequence[str]) -> Layers:
+        """The picture by method path, and layers of what PATH_SAMPLES samples of its pixels see."""
+        picture = as_picture(self.render_frame(frame), frame.scene)
+        before = self._target, self._by_path
+        plain = {"method": "direct", "spp": PATH_SAMPLES, "shadows": "off", "adaptive": False}
+        bare = replace(frame, scene=frame.scene.model_copy(update=plain))
+        self.stage.take(bare)
+        gathering = Gathering(names, bare)
+        self._passes.gather(bare, self._targets.get(bare.scene.size, True), gathering)
+        if before[0] is not None and self._targets.holds(before[0]):
+            self._target, self._by_path = before
+        return gathering.result(picture)
 
     def show(
         self,

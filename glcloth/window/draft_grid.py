@@ -6,12 +6,13 @@ from typing import Literal, NamedTuple
 
 from ..weave.loom import Loom
 
-Part = Literal["threading", "tieup", "drawdown", "treadling"]
+Part = Literal["threading", "tieup", "drawdown", "treadling", "warp", "weft"]
 FEWEST = 8  # rows for shafts, columns for treadles: the drawdown stays in its place while a loom of up to 8 changes
 
 
 class Cell(NamedTuple):
-    """A cell: of the threading (shaft, end), tie-up (shaft, treadle), drawdown (pick, end) or treadling (pick, treadle)."""
+    """A cell: of the threading (shaft, end), tie-up (shaft, treadle), drawdown (pick, end) or treadling (pick, treadle); or of
+    the strips of colours, warp (0, end) and weft (pick, 0)."""
 
     part: Part
     row: int
@@ -39,6 +40,8 @@ class Grid(NamedTuple):
 
     def corner(self, cell: Cell) -> tuple[int, int]:
         """Column and row of the grid where a cell is."""
+        if cell.part in ("warp", "weft"):
+            return (cell.column, self.shafts) if cell.part == "warp" else (self.ends, self.shafts + 1 + cell.row)
         x = cell.column if cell.part in ("threading", "drawdown") else self.ends + 1 + cell.column
         y = self.shafts - 1 - cell.row if cell.part in ("threading", "tieup") else self.shafts + 1 + cell.row
         return x, y
@@ -46,8 +49,12 @@ class Grid(NamedTuple):
     def cell(self, x: float, y: float) -> Cell | None:
         """The cell at a place, in cells from the corner; None between the parts and outside."""
         column, row = int(x // 1), int(y // 1)
-        if not (0 <= column < self.size[0] and 0 <= row < self.size[1]) or column == self.ends or row == self.shafts:
+        if not (0 <= column < self.size[0] and 0 <= row < self.size[1]):
             return None
+        if row == self.shafts:
+            return Cell("warp", 0, column) if column < self.ends else None
+        if column == self.ends:
+            return Cell("weft", row - self.shafts - 1, 0) if row > self.shafts else None
         left, top = column < self.ends, row < self.shafts
         column = column if left else column - self.ends - 1
         row = self.shafts - 1 - row if top else row - self.shafts - 1
@@ -66,7 +73,24 @@ def is_set(loom: Loom, cell: Cell) -> bool:
         return int(loom.treadling[row]) == column
     if part == "tieup":
         return row < loom.shafts and column < loom.treadles and bool(loom.tieup[column, row])
+    if part in ("warp", "weft"):
+        return True
     return bool(loom.tieup[loom.treadling[row], loom.threading[column]])
+
+
+def said(loom: Loom, cell: Cell) -> str:
+    """What a cell shows, in words."""
+    part, row, column = cell
+    if part == "threading":
+        return f"end {column + 1} is on shaft {int(loom.threading[column]) + 1}"
+    if part == "treadling":
+        return f"pick {row + 1} steps on treadle {int(loom.treadling[row]) + 1}"
+    if part == "tieup":
+        return f"treadle {column + 1} {'lifts' if is_set(loom, cell) else 'leaves'} shaft {row + 1}"
+    if part == "drawdown":
+        return f"end {column + 1}, pick {row + 1}: {'warp' if is_set(loom, cell) else 'weft'} on top"
+    thread = f"end {column + 1}" if part == "warp" else f"pick {row + 1}"
+    return f"{thread}: drag the pen, right button: its colour"
 
 
 def marked(loom: Loom, cell: Cell, up: bool) -> Loom:

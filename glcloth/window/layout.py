@@ -27,8 +27,10 @@ class Layout:
         return max(width - self.panel_width(), 16), max(height, 16)
 
     def panel_width(self) -> int:
-        """Width of the panels in pixels of the framebuffer."""
-        return round(PANEL * self.scale * self.host.pixels_per_point) if self.show_panels else 0
+        """Width of the panels in pixels of the framebuffer, which they never leave."""
+        if not self.show_panels:
+            return 0
+        return min(round(PANEL * self.scale * self.host.pixels_per_point), self.host.framebuffer_size[0])
 
     def toggle_panels(self) -> None:
         """Show the panels, or hide them."""

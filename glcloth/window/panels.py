@@ -84,6 +84,8 @@ class Panels(Panel):
             ("Keys and mouse", self._keys, 0),
         ):
             if imgui.collapsing_header(title, flags):
+                if imgui.is_item_toggled_open():  # what one has just opened is to be seen
+                    imgui.set_scroll_here_y(0.0)
                 draw()
         imgui.pop_item_width()
         imgui.end()

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..color import srgb_encode
 from ..fabric import Fabric
+from ..weave.draft import Draft
 from ..weave.loom import Loom
 from ..weave.model import Irregularity, Weave
 from ..weave.named import WEAVES
@@ -17,8 +18,9 @@ from . import draft_grid
 from .actions import Actions
 from .controls import controls
 from .dialogs import available
-from .draft_grid import Cell, Grid
+from .draft_grid import Cell, Grid, said
 from .files import DRAFTS, Files
+from .thread_colors import Pen, color_of, painted
 from .widgets import CLAMP, GREY, Panel, buttons, chooser, tip
 
 SETT = controls(Weave, ("ends_per_cm", "picks_per_cm"))
@@ -45,6 +47,7 @@ IRREGULAR = controls(Irregularity)
 PAPER, INK, UNUSED = (0.90, 0.89, 0.86), (0.12, 0.22, 0.45), (0.21, 0.21, 0.22)
 SMALLEST, LARGEST = 7, 17  # points a cell
 EDITED = ", edited"
+HINT = "click a crossing; drag in threading, tie-up, treadling"
 MOST = 64  # threads that the buttons add up to; drafts may have more
 LOW_PLAIN = {"draft": "plain", "ends_per_cm": 20.0, "picks_per_cm": 20.0, "far": "yarns"}
 
@@ -56,6 +59,9 @@ class WeavePanel(Panel):
         super().__init__(actions)
         self.files = files
         self._loom: Loom | None = None  # may be several repeats of the weave's draft
+        # Since the last edit: the loom and the draft that the buttons + and - repeat, and the loom that they made.
+        self._repeated: tuple[Loom, Draft, Loom] | None = None
+        self._pen, self._said = Pen(), HINT
         self._held: tuple[Cell, bool, Grid] | None = None  # where the pointer draws, what, and on which grid it began
 
     def draw(self) -> None:
@@ -135,9 +141,9 @@ class WeavePanel(Panel):
                 imgui.begin_disabled(not all(1 <= n <= MOST for n in size[key]))
                 pressed = imgui.small_button(f"{sign}##{word}")
                 imgui.end_disabled()
-                tip("the repeat on the grid; a new thread is like the first ones")
+                tip("threads on the grid; new ones go on with the repeat that was there")
                 if pressed:
-                    self._take(loom.resized(*size[key]), None)
+                    self._resize(loom, fabric.weave.drafted, size[key])
             if word == "ends":
                 imgui.same_line(0.0, 24 * self.actions.layout.scale)
         for item in SETT:
@@ -204,14 +210,25 @@ class WeavePanel(Panel):
         assert self._loom is not None
         return self._loom
 
-    def _take(self, loom: Loom, gesture: str | None) -> None:
-        """Show another loom, and weave what it weaves."""
+    def _resize(self, loom: Loom, draft: Draft, size: tuple[int, int]) -> None:
+        """So many picks and ends: the repeat of before the first press goes on, and comes back."""
+        if self._repeated is None or self._repeated[2] is not loom:
+            self._repeated = loom, draft, loom
+        first, like, _ = self._repeated
+        new = first.resized(*size)
+        self._repeated = first, like, new
+        self._take(new, None, like)
+
+    def _take(self, loom: Loom, gesture: str | None, like: Draft | None = None) -> None:
+        """Show another loom, and weave what it weaves with threads as those of `like`, or as they are."""
         weave = self.session.fabric.weave
         assert weave is not None
         before, self._loom = self._loom, loom
-        draft = loom.draft(weave.drafted).reduced()
-        draft = replace(draft, title=f"{draft.title.removesuffix(EDITED)}{EDITED}")
-        if np.array_equal(draft.drawdown, weave.drafted.drawdown):
+        source = like or weave.drafted
+        draft = loom.draft(source).reduced()
+        if draft != source:
+            draft = replace(draft, title=f"{draft.title.removesuffix(EDITED)}{EDITED}")
+        if draft == weave.drafted:
             return
 
         def edit() -> None:
@@ -241,13 +258,15 @@ class WeavePanel(Panel):
             self._draw_on(loom, grid, (low.x, low.y), cell)
             loom = self._loom_of(self.session.fabric.weave or weave)
             _paint(loom, grid, weave_colors(self.session.fabric), (low.x, low.y), cell, (room, height))
-            tip("click a crossing; drag in threading (above), tie-up (corner) and treadling (right)")
         imgui.end_child()
         imgui.pop_style_var()
+        imgui.text_colored(GREY, self._said)
+        self._pen.draw(self.session.fabric, scale)
 
     def _draw_on(self, loom: Loom, grid: Grid, low: tuple[float, float], cell: float) -> None:
-        """Mark the cells that the pointer passes; the first says whether it marks or clears."""
+        """Mark the cells that the pointer passes; the first says whether it marks or clears. On the strips the pen paints."""
         held = self._held
+        self._under(loom, grid, low, cell)
         if not imgui.is_item_active():
             self._held = None
             # A last motion may come in the same step as the release.
@@ -265,9 +284,40 @@ class WeavePanel(Panel):
             up, cells = held[1], draft_grid.between(held[0], at)
         if imgui.is_item_active():
             self._held = at, up, grid
+        if at.part in ("warp", "weft"):
+            self._paint_threads(loom, cells)
+            return
         for one in cells:
             loom = draft_grid.marked(loom, one, up)
         self._take(loom, "weave grid")
+
+    def _under(self, loom: Loom, grid: Grid, low: tuple[float, float], cell: float) -> None:
+        """Say what the cell under the pointer is; the right button takes up a thread's colour."""
+        self._said = HINT
+        if not imgui.is_item_hovered() and self._held is None:
+            return
+        mouse = imgui.get_mouse_pos()
+        at = grid.cell((mouse.x - low[0]) / cell, (mouse.y - low[1]) / cell)
+        if at is None or not _exists(loom, at):
+            return
+        self._said = said(loom, at)
+        if at.part in ("warp", "weft") and imgui.is_mouse_clicked(1):
+            self._pen.color = color_of(self.session.fabric, at)
+
+    def _paint_threads(self, loom: Loom, cells: list[Cell]) -> None:
+        changes, loom = painted(self.session.fabric, loom, cells, self._pen.color)
+        draft = changes["draft"]
+        changes["draft"] = replace(draft, title=f"{draft.title.removesuffix(EDITED)}{EDITED}")
+        before, self._loom = self._loom, loom
+
+        def edit() -> None:
+            try:
+                self.edit("weave colours", **changes)
+            except BaseException:
+                self._loom = before
+                raise
+
+        self.attempt(edit)
 
 
 _LOG = imgui.SliderFlags_.logarithmic.value
@@ -314,13 +364,11 @@ def _paint(loom: Loom, grid: Grid, colors, low: tuple[float, float], cell: float
             b = a[0] + cell - pen, a[1] + cell - pen
             at = grid.cell(x + 0.5, y + 0.5)
             if at is None:
-                if y == grid.shafts and x < grid.ends:
-                    draw.add_rect_filled(a, b, warp[x % len(warp)])
-                elif x == grid.ends and y > grid.shafts:
-                    draw.add_rect_filled(a, b, weft[(y - grid.shafts - 1) % len(weft)])
                 continue
             on = draft_grid.is_set(loom, at)
-            if at.part != "drawdown" or plain:
+            if at.part in ("warp", "weft"):
+                code = warp[at.column % len(warp)] if at.part == "warp" else weft[at.row % len(weft)]
+            elif at.part != "drawdown" or plain:
                 code = ink if on else paper if _exists(loom, at) else unused
             else:
                 code = warp[at.column % len(warp)] if on else weft[at.row % len(weft)]
@@ -335,4 +383,4 @@ def _exists(loom: Loom, cell: Cell) -> bool:
         return row <= shafts
     if part == "treadling":
         return column <= treadles
-    return part == "drawdown" or (row < shafts and column < treadles)
+    return part in ("drawdown", "warp", "weft") or (row < shafts and column < treadles)

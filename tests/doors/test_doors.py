@@ -17,8 +17,10 @@ from glcloth.errors import InputError
 from glcloth.geometry.mesh import build_mesh
 from glcloth.geometry.mesh_files import load_mesh, save_mesh
 from glcloth.image import read_image, read_settings, write_image
+from glcloth.picture.layers import Layers
 from glcloth.picture.renderer import Renderer
 from glcloth.picture.sequence_files import pose_files
+from glcloth.progress import track, warn
 
 ROOT = Path(__file__).resolve().parents[2]
 # Two directions per edge keep the reference quick; what is tested here is the door, not the light.
@@ -110,6 +112,54 @@ def test_diff_measures_and_draws(tmp_path, capsys):
     assert result["rmse"] == pytest.approx(0.5) and result["relmse"] == pytest.approx(0.5**2 / (0.25**2 + 0.01))
     assert result["psnr"] == pytest.approx(20 * np.log10(0.25 / 0.5), abs=1e-6) and 0 < result["flip"] <= 1
     assert np.allclose(read_image(tmp_path / "d.exr"), 2.0)
+
+
+def test_diff_counts_pixels_of_a_mask_and_knows_a_limit(tmp_path, capsys):
+    a, mask = np.zeros((8, 8, 3), "f4"), np.zeros((8, 8), "f4")
+    a[:4], mask[:4] = 0.5, 1.0
+    files = [write_image(tmp_path / "a.exr", a), write_image(tmp_path / "b.exr", np.zeros_like(a))]
+    layers = Layers()
+    layers["mask"] = mask
+    layered = write_image(tmp_path / "m.exr", np.full_like(a, 0.9), layers=layers)
+    alpha = write_image(tmp_path / "m.png", np.dstack([a, mask]))
+    assert run("diff", *files, "--json") == 0
+    whole, flips = json.loads(capsys.readouterr().out)["flip"], []
+    for counts in (layered, alpha):
+        assert run("diff", *files, "--mask", counts, "--json") == 0
+        result = json.loads(capsys.readouterr().out)
+        assert result["rmse"] == pytest.approx(0.5) and result["flip"] > 1.2 * whole
+        flips.append(result["flip"])
+    assert flips[0] == flips[1]
+    assert run("diff", *files, "--metric", "rmse", "--limit", "0.36") == 0  # the whole picture's is sqrt(1/8)
+    assert run("diff", *files, "--metric", "rmse", "--limit", "0.35") == 4
+    assert "rmse 0.353553 is beyond the limit, 0.35" in capsys.readouterr().err
+    assert run("diff", files[1], files[0], "--metric", "psnr", "--limit", "3") == 0
+    assert run("diff", files[1], files[0], "--metric", "psnr", "--limit", "3.1") == 4
+    assert "say --metric" in fails(capsys, "diff", *files, "--limit", "1")
+    write_image(tmp_path / "black.png", np.zeros_like(a))
+    assert "no pixel counts" in fails(capsys, "diff", *files, "--mask", tmp_path / "black.png")
+
+
+def test_quiet_says_only_errors_and_results(tmp_path, capsys):
+    words = "weave", ROOT / "glcloth/fabrics/poplin.toml", "-o", tmp_path / "a.toml"
+    assert run(*words) == 0
+    loud = capsys.readouterr()
+    assert run("--quiet", *words) == 0
+    warn("not said")
+    assert list(track([1, 2], "work")) == [1, 2]
+    quiet = capsys.readouterr()
+    assert loud.out == quiet.out and "sett" in loud.out
+    assert str(tmp_path / "a.toml") in loud.err and quiet.err == ""
+    assert "no such file" in fails(capsys, "-q", "diff", tmp_path / "none.png", tmp_path / "b.png")
+    assert run(*words) == 0 and capsys.readouterr().err == loud.err
+
+
+def test_closed_streams_are_no_fault():
+    code = "import sys; from glcloth import cli, progress; cli._open_streams(); progress.warn('x'); "
+    code += "print(*progress.track(['y'], 'work'), sys.stdin.read())"
+    words = ["sh", "-c", f'{sys.executable} -c "{code}" 2>&- <&-']
+    done = subprocess.run(words, capture_output=True, text=True, cwd=ROOT)
+    assert (done.returncode, done.stdout) == (0, "y \n")  # and no warning among the results
 
 
 def test_info_names_the_renderer(capsys):

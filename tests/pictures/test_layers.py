@@ -142,7 +142,8 @@ def test_other_programs_read_the_file(renderer, tmp_path):
         "camera": Camera((0, 0, 4)),
         "shadows": "off",
     }
-    out = renderer.render(aovs=AOVS, **FAST | look)
+    out = renderer.render(aovs="all", **FAST | look)
+    assert {name for name in AOVS if name != "cryptomatte"} < set(out)
     write_image(path, out["beauty"], {"a": 1}, layers=out)
     expected = out.channels() | dict(zip("RGB", np.moveaxis(out["beauty"], -1, 0), strict=True))
     names = "Z N.X N.Y N.Z P.X P.Y P.Z uv.U uv.V albedo.R direct.G bounce.B transmission.R mask.A"
@@ -174,6 +175,24 @@ def test_other_programs_read_the_file(renderer, tmp_path):
         assert total.max() == pytest.approx(1) and np.isclose(total[6:12, 9:15], 1).all()
         assert ((coverage[..., 0] > 0) & (coverage[..., 0] < 1)).any(), "edges"
     np.testing.assert_array_equal(read_image(path), out["beauty"])
+    for name in ("depth", "normal", "position", "uv", "mask", "albedo"):
+        np.testing.assert_array_equal(read_image(path, name), np.atleast_3d(out[name]), err_msg=name)
+
+
+def test_path_has_layers_of_what_is_seen(renderer):
+    """Those of sixteen samples, beside the picture by paths; no kinds of light, which are one sum."""
+    look = FAST | {"mesh": wall(half=0.6), "camera": Camera((0, 0, 4)), "objects": ("sphere",)}
+    seen = renderer.render(aovs=AOVS, **look, spp=16, shadows="off")
+    by_path = look | {"method": "path", "spp": 2}
+    alone = renderer.render(**by_path)
+    traced = renderer.render(aovs="all", **by_path)
+    assert set(traced) == set(seen) - set(LIGHT)
+    np.testing.assert_array_equal(traced["beauty"], alone)
+    for name in set(traced) - {"beauty"}:
+        np.testing.assert_array_equal(traced[name], seen[name], err_msg=name)
+    assert renderer.facts()["method"] == "path" and renderer.covered_pixels() > 0
+    with pytest.raises(InputError, match="one sum"):
+        renderer.render(aovs="depth,bounce", **by_path)
 
 
 @pytest.mark.parametrize(

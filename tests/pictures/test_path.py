@@ -277,7 +277,7 @@ def test_it_stops_at_the_noise_that_is_asked_for(renderer):
     ("changes", "said"),
     [
         ({"shadows": "off"}, "shadows off"),
-        ({"aovs": "depth"}, "picture alone"),
+        ({"aovs": "bounce"}, "one sum"),
     ],
 )
 def test_what_it_cannot_do(renderer, changes, said):

@@ -107,6 +107,7 @@ def test_exr_of_other_programs(tmp_path):
     assert np.array_equal(read_image(_exr(tmp_path / "mixed.exr", mixed)), expected)
     with pytest.raises(InputError, match=r"depth\.exr: no part has R, G, B"):
         read_image(_exr(tmp_path / "depth.exr", {"Z": Z}))
+    assert np.array_equal(read_image(tmp_path / "layers.exr", "depth")[..., 0], Z)  # no picture, found by its name
 
 
 def test_exr_parts_and_windows(tmp_path):

@@ -20,8 +20,9 @@ from glcloth.weave.model import Weave
 from glcloth.weave.named import WEAVES, named_draft
 from glcloth.weave.plain import draft_of, plain_draft
 from glcloth.weave.wif import load_draft, save_draft
-from glcloth.window.draft_grid import Cell, Grid, between, is_set, marked
+from glcloth.window.draft_grid import Cell, Grid, between, is_set, marked, said
 from glcloth.window.orbit import view_of
+from glcloth.window.thread_colors import in_use, painted, thread_colors
 from glcloth.window.thread_counter import glass_at, pixel_of
 
 
@@ -44,7 +45,13 @@ def test_twill_is_threaded_straight_and_cells_say_so():
             diagonal = cell.row == cell.column
             assert part in ("tieup", "drawdown") or is_set(loom, cell) == diagonal
     assert grid.corner(Cell("threading", 0, 0)) == (0, grid.shafts - 1), "shaft 1 is next to the cloth"
-    assert grid.cell(4.5, 0.5) is None and grid.cell(0.5, grid.shafts + 0.5) is None and grid.cell(-1, 3) is None
+    assert grid.cell(4.5, 0.5) is None and grid.cell(4.5, grid.shafts + 0.5) is None and grid.cell(-1, 3) is None
+    for cell in (Cell("warp", 0, 3), Cell("weft", 2, 0)):
+        x, y = grid.corner(cell)
+        assert grid.cell(x + 0.5, y + 0.5) == cell and is_set(loom, cell)
+    on_top = "warp" if loom.drawdown[1, 2] else "weft"
+    assert said(loom, Cell("drawdown", 1, 2)) == f"end 3, pick 2: {on_top} on top"
+    assert said(loom, Cell("threading", 2, 1)) == "end 2 is on shaft 2", "what is, not what a click would make"
 
 
 def test_marks_change_what_a_loom_weaves():
@@ -76,6 +83,26 @@ def test_a_draft_saved_from_a_weave_has_its_sett_and_colours(tmp_path, name):
     own = weave.thread_colors or [np.array([yarn.albedo]) for yarn in fabric.yarn]
     shown = np.minimum(np.resize(own[0], draft.warp_colors.shape) / 0.42, 1.0)
     assert np.abs(draft.warp_colors - shown).max() < 0.005
+
+
+@pytest.mark.parametrize("name", ["tartan", "lace"])
+def test_a_painted_thread_has_its_colour_and_all_else_stays(name):
+    """Of stripes (tartan), and of yarns' own colours where threads are cut out (lace)."""
+    fabric = load_fabric(name)
+    draft, red = fabric.weave.drafted, np.array([0.5, 0.02, 0.03])
+    loom = Loom.of(draft.drawdown).resized(2 * draft.picks, draft.ends)
+    before = thread_colors(fabric)
+    changes, loom = painted(fabric, loom, [Cell("warp", 0, 1), Cell("weft", 2, 0)], red)
+    weave = fabric.weave.changed(**changes)
+    after = thread_colors(fabric.changed(weave=weave))
+    for number, (own, new, count) in enumerate(zip(before, after, loom.drawdown.shape[::-1], strict=True)):
+        expected = np.resize(own, (count, 3))
+        expected[(1, 2)[number]] = red
+        assert count % len(new) == 0 and np.abs(np.resize(new, (count, 3)) - expected).max() < 0.005
+    at = np.ix_(np.arange(loom.drawdown.shape[0]) % draft.picks, np.arange(loom.drawdown.shape[1]) % draft.ends)
+    assert np.array_equal(loom.drawdown, draft.drawdown[at])
+    assert (weave.drafted.cut is None) == (draft.cut is None)
+    assert any(np.abs(color - red).max() < 0.005 for color in in_use(fabric.changed(weave=weave)))
 
 
 def test_the_thread_counter_is_a_centimetre_of_the_cloth():

@@ -87,6 +87,8 @@ def test_the_pattern_that_fits_best_holds_whatever_their_order(dress):
     assert chosen([dress, load_mesh("plane")], ["plane"]) == ((-1, -1, -1), (0,))
     with pytest.raises(InputError, match=r"no part is called Linning, expected Silk Shell, .*did you mean Lining\?$"):
         chosen([dress], ["Linning"])
+    with pytest.raises(InputError, match=r"did you mean \*ilk\*\?$"):
+        chosen([dress], ["ilk"])
 
 
 def test_parts_are_taken_apart_and_joined_without_a_change(dress):

@@ -161,8 +161,16 @@ def test_the_draft_is_drawn_on_by_the_mouse(woven):
     """A click toggles a crossing, drags thread, tie and tread; each is one step of undo, and the near view follows."""
     assert woven["clicked"] == [[0, 0], [0, 1]] and woven["undone"] == [[[1, 0], [0, 1]], True]
     assert woven["near_is_woven"] > 0.1 and woven["near_changed"] > 0.02 and woven["same_again"]
+    assert woven["goes_on"] == [[0, 1, 0, 1, 0], "plain, edited", [0, 1, 0, 1, 0, 1], "plain"], (
+        "repeats are the same cloth"
+    )
     assert woven["twill"] and woven["threaded"] and woven["drag_is_one_step"] and woven["trodden"]
     assert woven["tied"] == [True, [False, False]] and woven["crimp"]
+
+
+def test_threads_are_painted_on_the_strips(woven):
+    """A drag of the pen colours the threads it passes in one step of undo; the right button takes up a colour."""
+    assert woven["painted"] == [[False, True, True, False], True, True] and woven["taken_up"]
 
 
 def test_drafts_are_saved_loaded_and_dropped(woven):

@@ -20,6 +20,7 @@ from glcloth.weave.wif import load_draft
 from glcloth.window import near_view
 from glcloth.window.app import App
 from glcloth.window.draft_grid import Cell, Grid
+from glcloth.window.thread_colors import thread_colors
 
 
 class Weaver(window_walk.Hand):
@@ -46,6 +47,11 @@ def near_of(app):
     """The picture of the cloth near by."""
     texture = app.drawing.near.side.texture
     return np.frombuffer(texture.read(), "f4").reshape(texture.height, texture.width, 4)
+
+
+def colors_of(app):
+    """Colours of the ends and of the picks."""
+    return thread_colors(app.session.fabric)
 
 
 def walk(folder):
@@ -88,6 +94,18 @@ def walk(folder):
     out["tied"] = [bool(loom.tieup[0, 0]), tied.tieup[:2, 0].tolist()]
     hand.mark(("treadling", 1, 1), ("treadling", 1, 3))
     out["trodden"] = drawdown()[1] == drawdown()[3]
+
+    woven, app.panels.weave._pen.color = drawdown(), np.array([0.5, 0.02, 0.03])
+    document = app.session.document
+    hand.mark(("warp", 0, 1), ("warp", 0, 2))
+    reds = lambda: [bool(np.allclose(c, app.panels.weave._pen.color, atol=5e-3)) for c in colors_of(app)[0]]  # noqa: E731
+    out["painted"] = [reds(), drawdown() == woven]
+    place = hand.place("warp", 0, 3)
+    hand.do(["mousemove", *place], ["click", 3])
+    out["taken_up"] = bool(np.allclose(app.panels.weave._pen.color, colors_of(app)[0][3]))
+    hand.keep("painted")
+    hand.do(["mousemove", 32, 300], ["key", "ctrl+z"])
+    out["painted"].append(app.session.document == document)
 
     before = app.session.fabric.weave.crimp
     hand.drag("crimp", 0.3, 0.45)
@@ -132,6 +150,10 @@ def walk(folder):
     hand.keep("no_weave")
     hand.click("Give it a plain weave", 0.3)
     out["given"] = [app.session.fabric.weave.far, app.session.fabric.yarn == bare_fabric.yarn]
+    out["goes_on"] = []
+    for _ in range(2):
+        hand.click("+##ends")
+        out["goes_on"] += [app.panels.weave._loom.threading.tolist(), app.session.fabric.weave.drafted.title]
     out["gl_error"] = app.host.ctx.error
     out["errors"] += sum(kind == "error" for kind, _ in app.messages.lines)
     out["plain"] = list(plain.shape)
