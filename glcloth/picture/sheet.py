@@ -22,8 +22,8 @@ FAR, NEAR = (232, 184), (184, 184)  # pixels
 WIDE = 0.02  # metres of cloth that the near picture is wide
 LABEL, MARGIN, HEADING = 40, 14, 44  # pixels
 PAPER, INK, FAINT = 0.27, 0.95, 0.68  # of the screen's white
-MIDDLE = 0.2  # luminance at which a picture stays as it is exposed
-FAR_EVENED, NEAR_EVENED = 0.3, 0.65  # how far others are brought there: 0 not at all, 1 wholly
+MIDDLE = 0.35  # luminance at which a picture stays as it is exposed
+FAR_EVENED, NEAR_EVENED = 0.25, 0.55  # how far others are brought there: 0 not at all, 1 wholly
 ROOM = 64  # letters of a line of text
 
 FAMILIES = {

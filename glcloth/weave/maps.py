@@ -79,11 +79,10 @@ def make_maps(
                 weighed += w[t] * scale[t] * hat * lit
         share[j][mine] = weighed
         if tile.mixed:
-            even = light / light.mean()
-            mine_of_all = rel[first : first + n]
-            mine_of_all *= 1.0 - tile.mixed
-            mine_of_all += tile.mixed * even
-            share[j] = (1.0 - tile.mixed) * share[j] + tile.mixed * even * w.sum()
+            # Some of every lean everywhere; the depths are darker for these, too.
+            for part, mean in ((rel[first : first + n], 1.0), (share[j], float(np.sum(w)))):
+                part *= 1.0 - tile.mixed
+                part += tile.mixed * mean * light / light.mean()
         roll[j][mine] = weighed * _even(_turned(tile.side[mine], flat[j]), at, lit, w * scale)
         first += n
     height = 0.01 * (tile.height - tile.height.mean())
