@@ -28,7 +28,16 @@ ROOM = 64  # letters of a line of text
 
 FAMILIES = {
     "Silks and satins": (
-        *("habotai", "crepe_de_chine", "silk_crepe_de_chine", "organza", "taffeta", "shot_taffeta", "silk_shot", "faille"),
+        *(
+            "habotai",
+            "crepe_de_chine",
+            "silk_crepe_de_chine",
+            "organza",
+            "taffeta",
+            "shot_taffeta",
+            "silk_shot",
+            "faille",
+        ),
         *("charmeuse", "satin_charmeuse_front", "satin_charmeuse_back", "duchesse_satin"),
     ),
     "Cottons": (

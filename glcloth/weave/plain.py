@@ -72,4 +72,5 @@ def draft_of(data: dict) -> Draft:
     plain = np.indices(signs.shape).sum(0) % 2 == 0
     cut = signs == CUT
     drawdown = np.where(cut, plain, signs == UP)
-    return Draft(drawdown, **arrays, cut=cut if cut.any() else None, pile=data.get("pile", False), title=one_line(data.get("title", "")))
+    title = one_line(data.get("title", ""))
+    return Draft(drawdown, **arrays, cut=cut if cut.any() else None, pile=data.get("pile", False), title=title)
