@@ -7,12 +7,7 @@ fabric's own business: leans are ranked, so that all from upright to the lowest 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
-
-if TYPE_CHECKING:
-    from .tile import Shape
 
 LOWEST = np.radians(35.0)  # from upright; the pile of Sadeghi et al. 2013, table II (F), leans 35 to 40 degrees
 MIXED = 0.7  # of what a place shows: hairs cross, so every place shows all leans, and some of them more
@@ -23,13 +18,15 @@ RAGGED = 0.16  # of a spacing, how far hairs of one tuft reach into the next
 DEEP = 0.6  # of a spacing, how much lower the pile is between tufts
 
 
-def pile_fields(shape: Shape, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
+def pile_fields(tufts: tuple[int, int], pitch: float, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
     """The maps of a tile (system, thread, tilt, side, height), each [len(v), len(u)], at places v and u in tufts.
+
+    tufts : (rows, columns) of the repeat. pitch : cm from one to the next.
 
     system : 0 where hairs lean along u, 1 along v. tilt : radians, 55 to 90 degrees, negative where they rise along +u or +v.
     side : 0, for a pile has no side. height : cm.
     """
-    rows, columns = shape.draft.drawdown.shape
+    rows, columns = tufts
     rng = np.random.default_rng(11)
     hairs = _white(rng, 4, len(v), len(u))
     there = np.stack(np.broadcast_arrays(u[None, :], v[:, None])) + RAGGED * hairs[2:]
@@ -44,7 +41,6 @@ def pile_fields(shape: Shape, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray,
         for sign in (-1.0, 1.0):
             mine = (system == j) & ((along < 0.0) == (sign < 0.0))
             tilt[mine] = -sign * (np.pi / 2 - LOWEST * _ranked(np.hypot(*lean[:, mine])))
-    pitch = min(shape.pitch)
     height = -DEEP * pitch * np.minimum(np.sum(outward * outward, 0), 1.5)
     return system, np.where(system == 1, tuft[0], tuft[1]), tilt, np.zeros(tilt.shape), height
 

@@ -336,9 +336,9 @@ def test_tufts_of_a_pile_lean_to_all_sides_alike(monkeypatch):
         monkeypatch.setattr(pile, name, 0.0)
     places = np.array([4.7, 4.3])  # right and left of the middle of a tuft
     # Rows stand a quarter of a tuft aside, to the right in even ones.
-    system, _, tilt, _, height = pile.pile_fields(weave.shape, np.array([4.5]), places + 0.25)
+    system, _, tilt, _, height = pile.pile_fields((48, 48), 0.07, np.array([4.5]), places + 0.25)
     assert not system.any() and tilt[0, 0] < 0.0 < tilt[0, 1]  # a tilt is negative where a hair rises along +u
-    system, _, tilt, _, _ = pile.pile_fields(weave.shape, places, np.array([4.75]))
+    system, _, tilt, _, _ = pile.pile_fields((48, 48), 0.07, places, np.array([4.75]))
     assert system.all() and tilt[0, 0] < 0.0 < tilt[1, 0]
     assert height.max() < 0.0 and np.ptp(height) < 1e-12
 
