@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 LOWEST = np.radians(35.0)  # from upright; the pile of Sadeghi et al. 2013, table II (F), leans 35 to 40 degrees
-MIXED = 0.7  # of what a place shows: hairs cross, so every place shows all leans, and some of them more
+MIXED = 0.78  # of what a place shows: hairs cross, so every place shows all leans, and some of them more
 NAP, TUFT, SPLAY, HAIR = 0.4, 0.6, 1.2, 0.5  # how much each counts in a lean
 WAVES, LONGEST, SHORTEST = 48, 16.0, 4.0  # of the nap: how many, and their lengths in tufts
 JITTER = 0.22  # of a spacing, how far tufts stand from their places
