@@ -327,7 +327,11 @@ def test_tufts_of_a_pile_lean_to_all_sides_alike(monkeypatch):
     for share in ((tile.system == 0).mean(), (tile.tilt > 0.0).mean()):
         assert share == pytest.approx(0.5, abs=0.03)
     assert np.histogram(lean, 7, (0.0, 35.0))[0] == pytest.approx(np.full(7, lean.size / 7), rel=0.01)
-    maps, _ = maps_of(fabric, (256, 256))
+    maps, weights = maps_of(fabric, (256, 256))
+    for j, rel in enumerate(np.split(maps.rel, [len(weights[0])])):
+        np.testing.assert_allclose(maps.share[j], np.tensordot(weights[j], rel, 1), rtol=1e-9)
+    low, high = np.quantile(tile.height, (0.2, 0.8))
+    assert maps.rel.min(0)[tile.height > high].mean() > 1.1 * maps.rel.min(0)[tile.height < low].mean()
     assert maps.rel.min() > 0.2 and not maps.roll.any()
     # It goes on over the edge of the repeat as it does inside.
     steps = np.abs(np.diff(maps.share[0], axis=1)).mean(), np.abs(maps.share[0][:, 0] - maps.share[0][:, -1]).mean()
