@@ -32,10 +32,14 @@ def far_footprint(fabric: Fabric) -> float:
     pixels cannot draw what repeats faster than every two of them."""
     assert fabric.weave is not None
     yarn = 0.01 / min(fabric.weave.ends_per_cm, fabric.weave.picks_per_cm)
+    if fabric.weave.drafted.pile:
+        return FAR_YARNS * yarn  # its repeat is no pattern
     return max(FAR_YARNS * yarn, *(FAR_REPEATS * side for side in repeat_of(fabric)))
 
 
-STRANDS = 6.0, 12.0  # across a yarn, and their length over their width
+STRAND = 0.09  # mm, a bundle of some fibres
+FEWEST, MOST = 6.0, 14.0  # across a yarn: thin yarns show fewer fibres, but not none
+LONG = 12.0  # length of a strand over its width
 NOISE = 256  # texels a side
 MOST_TAPS = 8.0  # places at which a pixel reads the maps
 
@@ -81,7 +85,7 @@ class WeaveMaps:
             "noise_map": self._noise,
             "yarns": (100.0 * fabric.weave.picks_per_cm, 100.0 * fabric.weave.ends_per_cm),
             "irregular": (loose.shift, loose.length, loose.yarn, loose.fibre),
-            "fibres": (*STRANDS, -np.tan(twist[0]), np.tan(twist[1])),
+            "fibres": (strands_across(fabric), LONG, -np.tan(twist[0]), np.tan(twist[1])),
             "most_taps": MOST_TAPS,
             **even_shares(fabric, groups, lanes),
             "weave_A": np.array([y.albedo for y in fabric.yarn], "f4"),
@@ -152,6 +156,13 @@ class WeaveMaps:
             self._relief_table.release()
             self._relief_table = None
             self._relief.forget()
+
+
+def strands_across(fabric: Fabric) -> float:
+    """How many strands of fibres lie side by side in a yarn: thick woollen ones show more of them than thin silk does."""
+    assert fabric.weave is not None
+    spacing = 20.0 / (fabric.weave.ends_per_cm + fabric.weave.picks_per_cm)  # mm
+    return float(np.clip(spacing / STRAND, FEWEST, MOST))
 
 
 def _noise(ctx: moderngl.Context) -> moderngl.Texture:

@@ -27,6 +27,7 @@ class Draft:
     as drafts state colours.
     cut : bool [picks, ends], True where both threads are missing, as in eyelets and lace, or None; files other than
     fabrics cannot say it.
+    pile : the crossings are tufts of a cut pile, which hides the weave; nothing of it repeats.
     title, warnings : text; what was odd about the file.
 
     Arrays are read-only. Raises InputError for other shapes, values that are no lengths or colours, and sizes above
@@ -41,6 +42,7 @@ class Draft:
     warp_colors: np.ndarray | None = None
     weft_colors: np.ndarray | None = None
     cut: np.ndarray | None = None
+    pile: bool = False
     title: str = ""
     warnings: tuple[str, ...] = field(default=())
 
@@ -93,6 +95,8 @@ class Draft:
     @cached_property
     def structure(self) -> tuple[int, int]:
         """(picks, ends) of the smallest repeat of interlacing, spacing and thickness."""
+        if self.pile:
+            return self.drawdown.shape
         weft, warp = self._threads()
         return period(weft), period(warp)
 
@@ -141,7 +145,7 @@ class Draft:
     def _key(self) -> tuple:
         arrays = (self.drawdown, self.warp_spacing, self.weft_spacing, self.warp_thickness, self.weft_thickness)
         arrays += (self.warp_colors, self.weft_colors, self.cut)
-        return (self.title, *((None if a is None else (a.shape, a.tobytes())) for a in arrays))
+        return (self.title, self.pile, *((None if a is None else (a.shape, a.tobytes())) for a in arrays))
 
     def __eq__(self, other) -> bool:
         return isinstance(other, Draft) and self._key() == other._key()

@@ -78,6 +78,11 @@ def make_maps(
                 layer[mine] = hat * lit * scale[t]
                 weighed += w[t] * scale[t] * hat * lit
         share[j][mine] = weighed
+        if tile.mixed:
+            # Some of every lean everywhere; the depths are darker for these, too.
+            for part, mean in ((rel[first : first + n], 1.0), (share[j], float(np.sum(w)))):
+                part *= 1.0 - tile.mixed
+                part += tile.mixed * mean * light / light.mean()
         roll[j][mine] = weighed * _even(_turned(tile.side[mine], flat[j]), at, lit, w * scale)
         first += n
     height = 0.01 * (tile.height - tile.height.mean())
@@ -89,7 +94,11 @@ def _places(tile: Tile, mine: np.ndarray, tilts: np.ndarray) -> Between:
     """The tilts of a yarn's texels among `tilts`, stretched to their range."""
     tilt = np.clip(tile.tilt[mine], -np.pi / 2, np.pi / 2)
     there, here = np.abs(tilts).max(initial=0.0), np.abs(tilt).max(initial=0.0)
-    return between(tilt * (there / here) if here > 0.0 else tilt, tilts)
+    tilt = tilt * (there / here) if here > 0.0 else tilt
+    # A hair has no head: 85 degrees are nearer to -90 than to -50. Only a pile stands so steep.
+    turned = tilt - np.sign(tilt) * np.pi
+    past = np.maximum(tilt - tilts[-1], tilts[0] - tilt), np.maximum(turned - tilts[-1], tilts[0] - turned)
+    return between(np.where(past[1] < np.maximum(past[0], 0.0), turned, tilt), tilts)
 
 
 def _turned(side: np.ndarray, flat: float) -> np.ndarray:

@@ -82,6 +82,11 @@ def lace() -> np.ndarray:
     return np.tile(plain(), np.array(lace_cut().shape) // 2)
 
 
+def pile(n: int = 48) -> np.ndarray:
+    """Tufts of velvet, which lean otherwise at every place of the repeat: [n, n]."""
+    return np.tile(plain(), (n // 2, n // 2))
+
+
 def mock_leno(n: int = 3) -> np.ndarray:
     """Groups of `n` threads that draw together, with slits between the groups (canvas weave, cellular cloth).
 
@@ -125,6 +130,7 @@ WEAVES: dict[str, Callable[[], np.ndarray]] = {
     "damask": damask,
     "lace": lace,
     "mock_leno": mock_leno,
+    "pile": pile,
     "honeycomb": honeycomb,
     "crepe": crepe,
 }
@@ -135,7 +141,7 @@ DARK, LIGHT = (0.02, 0.02, 0.022), (0.70, 0.66, 0.56)  # the two colours that ma
 
 def named_draft(name: str) -> Draft:
     """The draft of one repeat of a named weave, without colours but for houndstooth: four dark, four light, both ways.
-    Mock leno has the spacing of its groups, lace its holes.
+    Mock leno has the spacing of its groups, lace its holes, pile its tufts.
 
     Raises InputError for an unknown name, with a suggestion.
     """
@@ -146,6 +152,8 @@ def named_draft(name: str) -> Draft:
     drawdown = WEAVES[name]()
     if name == "lace":
         return Draft(drawdown, cut=lace_cut(), title=name)
+    if name == "pile":
+        return Draft(drawdown, pile=True, title=name)
     if name == "mock_leno":
         # The threads of a group close up, and leave slits between the groups.
         spacing = USUAL_CM * np.tile(GROUP, 2)

@@ -19,6 +19,8 @@ def plain_draft(draft: Draft) -> dict:
     out: dict = {"title": draft.title} if draft.title else {}
     signs = np.where(draft.drawdown, UP, DOWN)
     out["drawdown"] = ["".join(row) for row in (signs if draft.cut is None else np.where(draft.cut, CUT, signs))]
+    if draft.pile:
+        out["pile"] = True
     for name in ARRAYS:
         value = getattr(draft, name)
         if value is not None:
@@ -41,9 +43,11 @@ def _color(text: str) -> np.ndarray:
 
 def draft_of(data: dict) -> Draft:
     """The draft of a plain dictionary. Raises InputError for unknown keys, uneven rows and values of other kinds."""
-    known = ("title", "drawdown", *ARRAYS)
+    known = ("title", "drawdown", "pile", *ARRAYS)
     if unknown := next((key for key in data if key not in known), None):
         raise InputError(one_line(f"draft: {unknown}: unknown key; known keys: {', '.join(known)}"))
+    if not isinstance(data.get("pile", False), bool):
+        raise InputError("draft: pile: expected true or false")
     rows = data.get("drawdown")
     good = isinstance(rows, list | tuple) and rows and all(isinstance(row, str) for row in rows)
     if not good or len({len(row) for row in rows}) != 1 or set("".join(rows)) - {UP, DOWN, CUT}:
@@ -68,4 +72,5 @@ def draft_of(data: dict) -> Draft:
     plain = np.indices(signs.shape).sum(0) % 2 == 0
     cut = signs == CUT
     drawdown = np.where(cut, plain, signs == UP)
-    return Draft(drawdown, **arrays, cut=cut if cut.any() else None, title=one_line(data.get("title", "")))
+    title = one_line(data.get("title", ""))
+    return Draft(drawdown, **arrays, cut=cut if cut.any() else None, pile=data.get("pile", False), title=title)

@@ -14,6 +14,7 @@ import numpy as np
 
 from .draft import Draft
 from .floats import path
+from .pile import MIXED, pile_fields
 
 TEXELS = 32  # a yarn, in large repeats
 SMALLEST, LARGEST = 256, 1024  # texels a side; a larger tile takes seconds, so it is made on request only
@@ -74,6 +75,7 @@ class Tile:
     tilt : radians, positive where the fibres go down along the yarn, twist included. side : -1..1 across the yarn, toward
     +v on the warp and +u on the weft. height : cm above the cloth's middle plane.
     size : (along u, along v) of the repeat in cm. threads : (picks, ends) of the repeat.
+    mixed : what share of a place shows all leans alike, as hairs of a pile do that cross each other.
     """
 
     system: np.ndarray
@@ -83,6 +85,7 @@ class Tile:
     height: np.ndarray
     size: tuple[float, float]
     threads: tuple[int, int]
+    mixed: float = 0.0
 
 
 def tile_size(picks: int, ends: int) -> tuple[int, int]:
@@ -123,7 +126,7 @@ def make_tile(shape: Shape, size: tuple[int, int] | None = None) -> Tile:
         del _latest[next(iter(_latest))]
     _latest[H, W] = shape, draft, fields
     p_1, p_2 = shape.pitch
-    return Tile(*fields, (picks * p_2, ends * p_1), (picks, ends))
+    return Tile(*fields, (picks * p_2, ends * p_1), (picks, ends), MIXED if draft.pile else 0.0)
 
 
 # The last tile of each of two sizes (H, W), of a whole weave and of a sketch of it: its shape, one repeat of its draft, its maps.
@@ -132,7 +135,7 @@ _latest: dict[tuple[int, int], tuple[Shape, Draft, tuple[np.ndarray, ...]]] = {}
 
 def _rewoven(shape: Shape, draft: Draft, old: Shape, old_draft: Draft) -> tuple[np.ndarray, np.ndarray] | None:
     """Which ends and which picks of one repeat run otherwise than in an older shape, bool; None: more than that differs."""
-    if replace(old, draft=shape.draft) != shape or draft.drawdown.shape != old_draft.drawdown.shape:
+    if draft.pile or replace(old, draft=shape.draft) != shape or draft.drawdown.shape != old_draft.drawdown.shape:
         return None
     of_threads = ["cut", *(f"{system}_{what}" for system in ("warp", "weft") for what in ("spacing", "thickness"))]
     if not all(np.array_equal(getattr(draft, name), getattr(old_draft, name)) for name in of_threads):
@@ -143,6 +146,8 @@ def _rewoven(shape: Shape, draft: Draft, old: Shape, old_draft: Draft) -> tuple[
 
 def _seen(shape: Shape, draft: Draft, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
     """The maps of a tile (system, thread, tilt, side, height) at places v and u, in mean spacings."""
+    if draft.pile:
+        return pile_fields(draft.drawdown.shape, min(shape.pitch), v, u)
     picks, ends = draft.drawdown.shape
     warp, weft = _Threads(draft.warp_spacing, draft.warp_thickness), _Threads(draft.weft_spacing, draft.weft_thickness)
     layers = [

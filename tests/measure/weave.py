@@ -21,12 +21,14 @@ from glcloth.color import luminance, srgb_encode
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
 from glcloth.methods.weave_maps import repeat_of
+from glcloth.picture.sheet import FAR_EVENED, NEAR_EVENED, evened, white_balance
 
 FABRICS = ["linen_heavy", "denim_raw", "duchesse_satin", "charmeuse", "silk_shot", "houndstooth", "poplin", "tartan"]
 THETAS = (5, 25, 40, 60, 70, 82)
 EVEN = {"shift": 0.0, "yarn": 0.0, "fibre": 0.0}
 STEP = 1.03
-BRIGHTEST = 0.35  # mean of a picture: a satin may mirror the lamp
+BRIGHTEST = 0.35  # mean of a picture of an outline: a satin may mirror the lamp
+GROUND = 0.06  # linear, behind the built-in cloth
 
 
 def woven(fabric, even=True, **changes):
@@ -125,22 +127,21 @@ def cost(renderer, names, rounds):
 
 
 def pictures(renderer, names, path):
+    white = white_balance(glcloth.load_environment("studio"), (0.0, 0.0, 1.0))
     cells = []
     for name in names:
         look = {"fabric": name, "size": (320, 240), "spp": 4, "background": False}
-        worn = renderer.render(mesh="drape", **look)
-        cells.append(dimmed(worn[..., :3], worn[worn[..., 3] > 0.5][:, :3].mean()))
+        worn = np.asarray(renderer.render(mesh="drape", **look))
+        cover, cloth = worn[..., 3:], worn[..., :3] * white
+        mean = float(luminance(cloth).sum() / cover.sum())
+        cells.append(evened(cloth, mean, FAR_EVENED) + (1.0 - cover) * GROUND)
         for width in (0.3, 0.04, 0.012):
             flat = {"mesh": sheet(1.0, 1.0), "camera": view(38, 65, width, 4 / 3), "shadows": "off"}
-            near = renderer.render(**flat, **look)[..., :3]
-            cells.append(dimmed(near, near.mean()))
+            near = np.asarray(renderer.render(**flat, **look))[..., :3] * white
+            cells.append(evened(near, float(luminance(near).mean()), NEAR_EVENED))
     lines = [np.concatenate(cells[i : i + 8], 1) for i in range(0, len(cells) // 8 * 8, 8)]
     codes = np.round(255 * srgb_encode(np.concatenate(lines).clip(0.0, 1.0))).astype("u1")
     Image.fromarray(codes).resize((codes.shape[1] * 5 // 8, codes.shape[0] * 5 // 8)).save(path, quality=78)
-
-
-def dimmed(picture, mean):
-    return np.asarray(picture) * min(1.0, BRIGHTEST / float(mean))
 
 
 def edge_view(width, aspect):

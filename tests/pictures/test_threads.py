@@ -58,9 +58,10 @@ LOOK = {"threads": True, "size": (320, 320), "shadows": "off", "background": Fal
 def test_mean_of_whole_repeats_is_the_far_cloth(renderer, name, relief):
     fabric = even(name)
     fabric = fabric.changed(weave=fabric.weave.changed(relief=relief))
-    mesh = patch(fabric)
+    side = max(0.02, 6.0 * max(repeat_of(fabric)))
+    mesh = patch(fabric, side)
     for theta, phi in ((5, 20), (40, 70), (60, 200), (75, 130), (150, 40)):
-        view = camera(theta, phi)
+        view = camera(theta, phi, side)
         near = renderer.render(fabric=fabric, mesh=mesh, camera=view, **LOOK)
         assert renderer.stage.cloths[0].threads.shown and np.isfinite(near).all()
         far = renderer.render(fabric=fabric.changed(weave=None), mesh=mesh, camera=view, **LOOK)
@@ -125,6 +126,7 @@ def corner(side=0.04, cells=6):
 def test_light_that_cloth_sends_to_cloth_shows_threads(renderer):
     """A floor in no light but what a wall throws back: threads as `reference` finds them direction by direction."""
     fabric = even("houndstooth")
+    fabric = fabric.changed(weave=fabric.weave.changed(ends_per_cm=24, picks_per_cm=22))  # checks of 3 mm
     sun = Suns(np.array([[-1.0, 0.0, 0.0]]), np.array([[9.0, 9.0, 9.0]]), 0.01)
     lights = Lights(SphericalGaussians(np.zeros((0, 3)), np.zeros(0), np.zeros((0, 3))), sun)
     look = {**LOOK, "size": (24, 20), "mesh": corner(), "lights": lights, "shadows": "full", "cube": 12}

@@ -5,10 +5,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from glcloth.color import luminance
 from glcloth.errors import InputError
-from glcloth.fabric import load_fabric
+from glcloth.fabric import builtin_fabrics, load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh_files import load_mesh
+from glcloth.light import equirect
+from glcloth.light.environment import Environment
 from glcloth.methods.weave_maps import even_shares, fabric_maps
 from glcloth.picture import sheet
 from glcloth.picture.frame import Cloth, Frame
@@ -181,10 +184,20 @@ def test_programs_are_compiled_ahead_for_a_woven_fabric(monkeypatch, due):
     assert drawn == [n for n, _ in WARM_UP for _ in (0, 1)] + due * [len(cloth.fabric.tangents)]
 
 
-def test_the_sheet_of_fabrics_goes_from_plain_and_fine_to_pile():
-    names = ["velvet", "charmeuse", "denim_raw", "canvas", "poplin"]
-    ordered = sorted(names, key=lambda name: sheet._order(name, load_fabric(name)))
-    assert ordered == ["poplin", "canvas", "denim_raw", "charmeuse", "velvet"]
+def test_the_sheet_of_fabrics_stands_by_families_in_white_light():
+    names = ["velvet", "mine", "charmeuse", "denim_raw", "poplin"]
+    families = sheet.by_family(names)
+    assert list(families) == ["Silks and satins", "Cottons", "Velvets", "Others"] and families["Others"] == ["mine"]
+    assert families["Cottons"] == ["poplin", "denim_raw"]
+    assert sheet.OTHERS not in sheet.by_family(builtin_fabrics())
+    # A warm lamp on the left and a cool one on the right: a card that faces the warm one is balanced to it.
+    lamps = np.zeros((8, 16, 3))
+    lamps[4, 12], lamps[4, 4] = (3.0, 2.0, 1.0), (1.0, 2.0, 3.0)
+    white = sheet.white_balance(Environment("lamps", lamps), equirect.texel_directions(8, 16)[4, 12])
+    card = white * lamps[4, 12]
+    assert np.ptp(card) < 1e-9 and card[0] == pytest.approx(luminance(lamps[4, 12]))
+    dark, bright = (sheet.evened(np.array(x), x, 0.5) for x in (0.01, 0.7))
+    assert 0.01 < dark < sheet.MIDDLE < bright < 0.7
     label = sheet._label("denim_raw", load_fabric("denim_raw"))
     assert label.shape == (sheet.LABEL, sheet.FAR[0] + sheet.NEAR[0], 3) and label.max() > 0.5 > label[-1].max()
 

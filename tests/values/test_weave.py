@@ -11,6 +11,7 @@ from glcloth.errors import InputError
 from glcloth.fabric import FABRICS, Fabric, Yarn, builtin_fabrics, load_fabric, save_fabric
 from glcloth.methods.albedo import diffuse_albedo
 from glcloth.twins.cloth import f_cloth
+from glcloth.weave import pile
 from glcloth.weave import tile as tiles
 from glcloth.weave.draft import Draft
 from glcloth.weave.floats import float_lengths
@@ -307,11 +308,43 @@ def test_a_published_far_field_keeps_its_tangents_under_a_weave():
 def test_the_weaves_of_the_papers_fabrics_have_their_far_field(name):
     """Maps of the published tangents: mean 1 at every level; and the weave itself comes near the published areas."""
     fabric = load_fabric(name)
-    maps, _ = maps_of(fabric)
+    # Tufts differ at every place of the repeat, so their maps are large; smaller ones are made alike.
+    maps, _ = maps_of(fabric, (256, 256) if fabric.weave.drafted.pile else None)
     for level in mip_levels(maps.rel):
         assert np.abs(level.mean((1, 2)) - 1).max() < 1e-6
     assert maps.share.mean((1, 2)) == pytest.approx([y.area for y in fabric.yarn])
+    if fabric.weave.drafted.pile:
+        return
     assert fabric.weave.derived((5.0, 5.0)).areas == pytest.approx([y.area for y in fabric.yarn], abs=0.09)
+
+
+def test_tufts_of_a_pile_lean_to_all_sides_alike(monkeypatch):
+    """All leans from upright to the lowest in equal shares, every place some of each; and hairs spread outward."""
+    fabric = load_fabric("velvet_ruby")
+    weave = fabric.weave.changed(irregularity={"shift": 0.0})
+    tile = weave.tile((256, 256))
+    lean = 90.0 - np.abs(np.degrees(tile.tilt))
+    for share in ((tile.system == 0).mean(), (tile.tilt > 0.0).mean()):
+        assert share == pytest.approx(0.5, abs=0.03)
+    assert np.histogram(lean, 7, (0.0, 35.0))[0] == pytest.approx(np.full(7, lean.size / 7), rel=0.01)
+    maps, weights = maps_of(fabric, (256, 256))
+    for j, rel in enumerate(np.split(maps.rel, [len(weights[0])])):
+        np.testing.assert_allclose(maps.share[j], np.tensordot(weights[j], rel, 1), rtol=1e-9)
+    low, high = np.quantile(tile.height, (0.2, 0.8))
+    assert maps.rel.min(0)[tile.height > high].mean() > 1.1 * maps.rel.min(0)[tile.height < low].mean()
+    assert maps.rel.min() > 0.2 and not maps.roll.any()
+    # It goes on over the edge of the repeat as it does inside.
+    steps = np.abs(np.diff(maps.share[0], axis=1)).mean(), np.abs(maps.share[0][:, 0] - maps.share[0][:, -1]).mean()
+    assert steps[1] == pytest.approx(steps[0], rel=0.15)
+    for name in ("NAP", "TUFT", "HAIR", "JITTER", "RAGGED"):
+        monkeypatch.setattr(pile, name, 0.0)
+    places = np.array([4.7, 4.3])  # right and left of the middle of a tuft
+    # Rows stand a quarter of a tuft aside, to the right in even ones.
+    system, _, tilt, _, height = pile.pile_fields((48, 48), 0.07, np.array([4.5]), places + 0.25)
+    assert not system.any() and tilt[0, 0] < 0.0 < tilt[0, 1]  # a tilt is negative where a hair rises along +u
+    system, _, tilt, _, _ = pile.pile_fields((48, 48), 0.07, places, np.array([4.75]))
+    assert system.all() and tilt[0, 0] < 0.0 < tilt[1, 0]
+    assert height.max() < 0.0 and np.ptp(height) < 1e-12
 
 
 def test_depths_are_darker():
@@ -548,8 +581,10 @@ def test_weave_makes_a_fabric_and_tells_of_it(tmp_path, capsys):
     assert "repeat   8 ends x 8 picks" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("name", ["nix.wif", "velvet", "a.txt"])
-def test_weave_says_in_one_line_what_is_wrong(name, capsys):
+@pytest.mark.parametrize("name", ["nix.wif", "bare.toml", "a.txt"])
+def test_weave_says_in_one_line_what_is_wrong(name, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    save_fabric("bare.toml", load_fabric("velvet").changed(weave=None))
     with pytest.raises(SystemExit) as stop:
         main(["weave", name])
     assert stop.value.code == 2 and len(capsys.readouterr().err.strip().splitlines()) == 1

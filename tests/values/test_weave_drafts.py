@@ -360,7 +360,7 @@ def test_named_weaves_interlace_and_survive_their_file(name, tmp_path):
         assert (up.any(0) & ~up.all(0)).all()
     assert draft.repeat == draft.drawdown.shape or name == "houndstooth"
     assert draft_of(plain_draft(draft)) == draft
-    draft = replace(draft, cut=None)  # a WIF cannot say what is cut out
+    draft = replace(draft, cut=None, pile=False)  # a WIF cannot say what is cut out, nor that it is pile
     save_draft(tmp_path / "a.wif", draft)
     assert load_draft(tmp_path / "a.wif") == draft
     assert parse_draft(draft_text(draft)).drawdown.tolist() == draft.drawdown.tolist()
