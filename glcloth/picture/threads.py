@@ -120,6 +120,7 @@ class Threads:
         ink = {} if self.printed is None else {"PRINT": 1}
         return {
             **method.defines(),
+            **method.woven_defines(),
             "WEAVE": 1,
             "GROUPS": groups,
             "LANE_COUNT": lanes,
