@@ -50,9 +50,9 @@ class WeaveMaps:
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
         self._made: Last[dict[str, Any]] = Last()
-        self._relief: Last[moderngl.Texture3D] = Last()
+        self._relief: Last[moderngl.TextureArray] = Last()
         self._textures: list[moderngl.Texture | moderngl.TextureArray] = []
-        self._relief_table: moderngl.Texture3D | None = None
+        self._relief_table: moderngl.TextureArray | None = None
         self._noise = level_inputs(ctx, "noise", _noise()[None], NOISE)
 
     def inputs(self, fabric: Fabric, groups: int, lanes: int) -> dict[str, Any]:
@@ -125,10 +125,10 @@ class WeaveMaps:
                 size,
             ),
         )
-        levels = first, table.depth // (2 * groups + 1), PER_LEVEL
+        levels = first, table.layers // (2 * groups + 1), PER_LEVEL
         return {**read, "relief_table": table, "relief_levels": np.array(levels, "f4")}
 
-    def _table(self, table: moderngl.Texture3D) -> moderngl.Texture3D:
+    def _table(self, table: moderngl.TextureArray) -> moderngl.TextureArray:
         """The new table in place of the old one."""
         if self._relief_table is not None:
             self._relief_table.release()

@@ -11,7 +11,7 @@
 #ifdef RELIEF
 #include "core/disk.glsl"
 #include "inputs/methods/relief.glsl"
-uniform sampler3D relief_table;  // means of rel, of turn and of holes, each at several levels; omega as a disk
+uniform sampler2DArray relief_table;  // means of rel, of turn and of holes, each at several levels; omega as a disk
 uniform vec3 relief_levels;  // the mip level of the first, how many, and how many from one mip level to the next
 #endif
 #define SUMS vec4
@@ -42,7 +42,8 @@ float choice;
 
 float choice_of(ivec2 pixel) {
     int x = pixel.x, y = pixel.y, even = x ^ y;
-    return (float((even & 1) << 3 | (y & 1) << 2 | (even & 2) | (y & 2) >> 1) + 0.5) / 16.0;
+    int order = (even & 1) << 3 | (y & 1) << 2 | (even & 2) | (y & 2) >> 1;  // of a square of 4 x 4; the nearest for pixel 0
+    return (float(order ^ 8) + 0.5) / 16.0;
 }
 
 // The places at which a pixel reads a map, in repeats: `count` of them on its longer side `along`, left and right of its middle.
@@ -84,10 +85,16 @@ vec2 shift_at(vec2 place, Level level, vec3 omega) {
 }
 
 #ifdef RELIEF
-vec4 mean_seen(int layer, float level, vec3 omega) {
+// Where means are for a pixel that reads such versions of the maps: place on the disk, level.
+vec3 mean_place(Taps taps, vec3 omega) {
     vec2 p = 0.5 + (0.5 - 0.5 / float(textureSize(relief_table, 0).x)) * to_disk(normalize(omega));
-    float z = (float(layer) * relief_levels.y + clamp(relief_levels.z * (level - relief_levels.x), 0.0, relief_levels.y - 1.0) + 0.5) / float(textureSize(relief_table, 0).z);
-    return textureLod(relief_table, vec3(p, z), 0.0);
+    float level = taps.number.y > 0.0 ? taps.level : level_of_number(taps.number.x, weave_steps);
+    float row = floor(relief_levels.z * (level - relief_levels.x) + choice);
+    return vec3(p, clamp(row, 0.0, relief_levels.y - 1.0));
+}
+
+vec4 mean_seen(int layer, vec3 place) {
+    return textureLod(relief_table, vec3(place.xy, float(layer) * relief_levels.y + place.z), 0.0);
 }
 #endif
 
@@ -163,7 +170,7 @@ float hole_share(ivec2 pixel) {
     } while (++tap < taps.rounds);
 #ifdef RELIEF
     // Seen from the side holes are narrower; the far cloth's own thickness says so already.
-    float mean = min(mean_seen(2 * GROUPS, taps.level, at.omega).r, 0.999);
+    float mean = min(mean_seen(2 * GROUPS, mean_place(taps, at.omega)).r, 0.999);
     hole = mean < hole_mean ? hole + (1.0 - hole) * (hole_mean - mean) / (1.0 - mean) : hole * hole_mean / max(mean, 1e-6);
 #endif
     return mix(hole_mean, hole, threads_seen(at));
@@ -191,8 +198,9 @@ void fetch_weave(ivec2 pixel) {
     float seen = threads_seen(at);
 #ifdef RELIEF
     // From the side a repeat shows other shares of the tangents, and other sides of the yarns. The far cloth knows that already.
+    vec3 means = mean_place(taps, at.omega);
 #define EVEN_REL(g) { \
-    vec4 mean = mean_seen(g, taps.level, at.omega), side = mean_seen(g + GROUPS, taps.level, at.omega); \
+    vec4 mean = mean_seen(g, means), side = mean_seen(g + GROUPS, means); \
     rel[g] = with_mean(rel[g], mean, 1.0); \
     turn[g] = (turn[g] - side * rel[g]) / max(mean, 0.1); }
     EACH_GROUP(EVEN_REL)
