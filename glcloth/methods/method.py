@@ -112,6 +112,10 @@ class Method:
         """How many vec4s hold the tangents where pixels show threads, and how many each."""
         raise NotImplementedError
 
+    def woven_defines(self) -> dict[str, Any]:
+        """Constants of its program for pixels that show threads, in place of those of `defines`."""
+        return {}
+
     def woven_inputs(self) -> dict[str, Any]:
         """What its program reads beside `inputs` and the maps for pixels that show threads."""
         return {}

@@ -49,7 +49,7 @@ def relief_table(
     first: int,
     hole: float,
     flat: bool = False,
-) -> moderngl.Texture3D:
+) -> moderngl.TextureArray:
     """Means of rel, of turn and of the holes over a repeat, from each direction: texture [(2 groups + 1) LEVELS, SIDE, SIDE].
 
     inputs : what inputs/methods/relief.glsl reads. content : what its textures hold. first : `first_level`.
@@ -84,9 +84,9 @@ def _without_heights(values: np.ndarray, groups: int, hole: float) -> np.ndarray
     return values
 
 
-def _texture(ctx: moderngl.Context, values: np.ndarray) -> moderngl.Texture3D:
+def _texture(ctx: moderngl.Context, values: np.ndarray) -> moderngl.TextureArray:
     """The table [2 groups + 1, levels, SIDE, SIDE, 4] on the GPU."""
-    table = ctx.texture3d((SIDE, SIDE, values.shape[0] * values.shape[1]), 4, values.tobytes(), dtype="f4")
+    table = ctx.texture_array((SIDE, SIDE, values.shape[0] * values.shape[1]), 4, values.tobytes(), dtype="f4")
     table.filter = moderngl.LINEAR, moderngl.LINEAR
-    table.repeat_x = table.repeat_y = table.repeat_z = False
+    table.repeat_x = table.repeat_y = False
     return table

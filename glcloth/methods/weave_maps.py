@@ -10,7 +10,9 @@ import numpy as np
 from OpenGL import GL
 
 from ..fabric import Fabric
+from ..gpu.layout import shared
 from ..gpu.memo import Last
+from ..weave.levels import levels_of, side_by_side
 from ..weave.maps import Maps, mip_levels
 from ..weave.tile import tile_size
 from .relief import LEVELS, PER_LEVEL, first_level, relief_heights, relief_table
@@ -41,19 +43,21 @@ STRAND = 0.09  # mm, a bundle of some fibres
 FEWEST, MOST = 6.0, 14.0  # across a yarn: thin yarns show fewer fibres, but not none
 LONG = 12.0  # length of a strand over its width
 NOISE = 256  # texels a side
+YARN_TEXELS = 4  # a yarn has where the maps' versions begin to be mip levels
+MOST_LEVELS = int(shared("inputs/methods/levels.glsl")[0]["MOST_LEVELS"])
 MOST_TAPS = 8.0  # places at which a pixel reads the maps
 
 
 class WeaveMaps:
-    """Textures of one repeat of a fabric's weave, with mip levels whose means are those of the whole."""
+    """Textures of one repeat of a fabric's weave, in versions whose means are those of the whole (weave/levels.py)."""
 
     def __init__(self, ctx: moderngl.Context):
         self.ctx = ctx
         self._made: Last[dict[str, Any]] = Last()
-        self._relief: Last[moderngl.Texture3D] = Last()
+        self._relief: Last[moderngl.TextureArray] = Last()
         self._textures: list[moderngl.Texture | moderngl.TextureArray] = []
-        self._relief_table: moderngl.Texture3D | None = None
-        self._noise = _noise(ctx)
+        self._relief_table: moderngl.TextureArray | None = None
+        self._noise = level_inputs(ctx, "noise", _noise()[None], NOISE)
 
     def inputs(self, fabric: Fabric, groups: int, lanes: int) -> dict[str, Any]:
         """The maps of a fabric, its tangents packed by so many to a vec4."""
@@ -67,22 +71,24 @@ class WeaveMaps:
         holes[0, 0] = maps.hole
         layers = np.concatenate([thread_layers(fabric, maps, groups, lanes), holes])
         colors, size, colored = color_layers(fabric, maps)
-        self._textures = [texture_array(self.ctx, layers), texture_array(self.ctx, colors)]
-        read = {"weave_map": self._textures[0]}
+        end = fine_end(fabric, maps.hole.shape, maps.size)
+        threads = level_inputs(self.ctx, "weave", layers, end)
+        of_color = level_inputs(self.ctx, "color", colors, fine_end(fabric, colors.shape[2:], size))
+        self._textures = [threads["weave_levels"], of_color["color_levels"]]
+        repeats = 1.0 / maps.size[0], 1.0 / maps.size[1]
+        read = {**threads, "weave_repeats": repeats}
         if fabric.weave.relief:
             unit = float(relief_heights(maps, 1.0)[0])
-            read["height_map"] = self._heights(maps.height / unit)
-        repeats = 1.0 / maps.size[0], 1.0 / maps.size[1]
+            read["height_levels"] = self._heights(maps.height / unit, end)
         loose, twist = fabric.weave.irregularity, np.radians(fabric.weave.twist_deg)
         return {
-            "weave_map": self._textures[0],
             "hole_mean": float(maps.hole.mean()),
-            "color_map": self._textures[1],
+            **of_color,
             "colored": colored,
-            "weave_repeats": repeats,
-            **self._side_view(fabric, maps, layers, groups, {**read, "weave_repeats": repeats}),
+            **read,
+            **self._side_view(fabric, maps, layers, groups, read),
             "color_repeats": (1.0 / size[0], 1.0 / size[1]),
-            "noise_map": self._noise,
+            **self._noise,
             "yarns": (100.0 * fabric.weave.picks_per_cm, 100.0 * fabric.weave.ends_per_cm),
             "irregular": (loose.shift, loose.length, loose.yarn, loose.fibre),
             "fibres": (strands_across(fabric), LONG, -np.tan(twist[0]), np.tan(twist[1])),
@@ -123,24 +129,22 @@ class WeaveMaps:
                 size,
             ),
         )
-        levels = first, table.depth // (2 * groups + 1), PER_LEVEL
+        levels = first, table.layers // (2 * groups + 1), PER_LEVEL
         return {**read, "relief_table": table, "relief_levels": np.array(levels, "f4")}
 
-    def _table(self, table: moderngl.Texture3D) -> moderngl.Texture3D:
+    def _table(self, table: moderngl.TextureArray) -> moderngl.TextureArray:
         """The new table in place of the old one."""
         if self._relief_table is not None:
             self._relief_table.release()
         self._relief_table = table
         return table
 
-    def _heights(self, heights: np.ndarray) -> moderngl.Texture:
-        """A texture of single floats [H, W] with its levels; `texture_array` says why they are made here."""
-        height, width = heights.shape
-        texture = self.ctx.texture((width, height), 1, dtype="f4")
-        texture.build_mipmaps()  # makes room
-        texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
-        for level, means in enumerate(mip_levels(heights)):
-            texture.write(means.astype("f4"), level=level)
+    def _heights(self, heights: np.ndarray, end: int) -> moderngl.Texture:
+        """A texture of single floats of heights [H, W], as the maps lie in theirs."""
+        picture = side_by_side(heights.astype("f4"), levels_of(*heights.shape, end))
+        texture = self.ctx.texture(picture.shape[::-1], 1, picture, dtype="f4")
+        texture.filter = moderngl.LINEAR, moderngl.LINEAR
+        texture.repeat_x = texture.repeat_y = False
         self._textures.append(texture)
         return texture
 
@@ -165,14 +169,37 @@ def strands_across(fabric: Fabric) -> float:
     return float(np.clip(spacing / STRAND, FEWEST, MOST))
 
 
-def _noise(ctx: moderngl.Context) -> moderngl.Texture:
-    """Four independent values of mean 0 and deviation 1 a texel."""
+def _noise() -> np.ndarray:
+    """Four independent values of mean 0 and deviation 1 a texel, [4, NOISE, NOISE]."""
     values = np.random.default_rng(3).normal(size=(NOISE, NOISE, 4)).clip(-2.0, 2.0)
     values = (values - values.mean((0, 1))) / values.std((0, 1))
-    noise = ctx.texture((NOISE, NOISE), 4, values.astype("f2").tobytes(), dtype="f2")
-    noise.build_mipmaps()
-    noise.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
-    return noise
+    return np.ascontiguousarray(np.moveaxis(values, -1, 0), "f4")
+
+
+def level_inputs(ctx: moderngl.Context, name: str, layers: np.ndarray, end: int) -> dict[str, Any]:
+    """What inputs/methods/levels.glsl reads of layers [N, 4, H, W]: NAME_levels, NAME_rects, NAME_sizes and NAME_steps; `end` :
+    as weave/levels.py has it."""
+    height, width = layers.shape[2:]
+    levels = levels_of(height, width, end)
+    picture = np.moveaxis(side_by_side(layers.astype("f4", copy=False), levels, "f2"), 1, -1)
+    texture = ctx.texture_array((*levels.shape[::-1], len(layers)), 4, np.ascontiguousarray(picture), dtype="f2")
+    texture.filter = moderngl.LINEAR, moderngl.LINEAR
+    texture.repeat_x = texture.repeat_y = False
+    rects = np.zeros((MOST_LEVELS, 4), "f4")
+    rects[: len(levels.sizes)] = levels.rects
+    own = {"levels": texture, "rects": rects, "sizes": (width, height)}
+    own["steps"] = float(levels.whole), float(levels.end), float(len(levels.sizes))
+    return {f"{name}_{key}": value for key, value in own.items()}
+
+
+def fine_end(fabric: Fabric, shape: tuple[int, ...], size: tuple[float, float]) -> int:
+    """The mip level of maps [H, W], of `size` metres along u and v, up to which they have versions between their mip levels."""
+    assert fabric.weave is not None
+    if fabric.weave.is_sketch:
+        return 0
+    texels = [n / (100.0 * threads * side) for n, threads, side in zip(
+        shape[::-1], (fabric.weave.picks_per_cm, fabric.weave.ends_per_cm), size, strict=True)]  # fmt: skip
+    return max(int(np.floor(np.log2(min(texels) / YARN_TEXELS))), 0)
 
 
 def texture_array(ctx: moderngl.Context, layers: np.ndarray, kind: str = "f2") -> moderngl.TextureArray:

@@ -289,7 +289,7 @@ class ClothSurface(Surface):
         far, near = (self.threads.choose(buffer, which) for which in (False, True))
         defines = self.threads.defines(self.method)
         groups, lanes = self.method.woven_packing()
-        terms = {**self.method.defines(), "TERMS": 1, "LANE_COUNT": lanes}
+        terms = {**self.method.defines(), **self.method.woven_defines(), "TERMS": 1, "LANE_COUNT": lanes}
         woven = {"inputs/methods/threads.glsl": self.threads.source}
         virtual = {**self._virtual(), "inputs/methods/threads.glsl": "inputs/methods/terms.glsl"}
         return Shown(

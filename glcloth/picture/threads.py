@@ -116,14 +116,17 @@ class Threads:
         each = " ".join(f"F({g});" for g in range(groups))
         weave = self._fabric.weave
         relief = {"RELIEF": 1} if self.woven and weave is not None and weave.relief else {}
+        plain = {"ONE_COLOR": 1} if weave is not None and weave.thread_colors is None else {}
         ink = {} if self.printed is None else {"PRINT": 1}
         return {
             **method.defines(),
+            **method.woven_defines(),
             "WEAVE": 1,
             "GROUPS": groups,
             "LANE_COUNT": lanes,
             "EACH_GROUP(F)": each,
             **relief,
+            **plain,
             **ink,
         }
 

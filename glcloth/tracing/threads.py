@@ -14,7 +14,14 @@ import numpy as np
 
 from ..fabric import Fabric
 from ..gpu.memo import Last
-from ..methods.weave_maps import WeaveMaps, fabric_maps, far_footprint, packed
+from ..methods.weave_maps import (
+    color_layers,
+    fabric_maps,
+    far_footprint,
+    packed,
+    texture_array,
+    thread_layers,
+)  # fmt: skip
 from ..weave.maps import mip_levels
 from .shot import HangingGrid, Shot
 from .threads_of_several import ThreadsOfSeveral
@@ -30,7 +37,7 @@ class Threads:
         self.ctx = ctx
         self._made: Last[dict[str, Any]] = Last()
         self._texture: moderngl.Texture | None = None
-        self._maps: WeaveMaps | None = None
+        self._maps: list[moderngl.TextureArray] = []
         self._several: ThreadsOfSeveral | None = None
 
     def inputs(self, shot: Shot) -> dict[str, Any]:
@@ -63,17 +70,22 @@ class Threads:
         flat = fabric.changed(weave=fabric.weave.changed(relief=0.0))
         maps, groups = fabric_maps(flat), tangent_groups(fabric)
         height, width = maps.hole.shape
-        if self._texture is not None:
-            self._texture.release()
+        self._release_maps()
         self._texture = texture = self.ctx.texture((width, height), 1, dtype="f4")
         texture.build_mipmaps()  # makes room
         texture.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
         for level, means in enumerate(mip_levels(maps.hole)):
             texture.write(means.astype("f4"), level=level)
-        self._maps = self._maps or WeaveMaps(self.ctx)
         shares = flat.weights[:, 1] / flat.weights[:, 1].sum()
+        colors, size, colored = color_layers(flat, maps)
+        self._maps = [texture_array(self.ctx, layers) for layers in (thread_layers(flat, maps, groups, LANES), colors)]
         return {
-            **self._maps.inputs(flat, groups, LANES),
+            "weave_map": self._maps[0],
+            "weave_repeats": (1.0 / maps.size[0], 1.0 / maps.size[1]),
+            "color_map": self._maps[1],
+            "colored": colored,
+            "color_repeats": (1.0 / size[0], 1.0 / size[1]),
+            "weave_A": np.array([yarn.albedo for yarn in flat.yarn], "f4"),
             "hole_map": texture,
             "hole_mean": float(maps.hole.mean()),
             "hole_repeats": (1.0 / maps.size[0], 1.0 / maps.size[1]),
@@ -81,15 +93,16 @@ class Threads:
             "tangent_groups": groups,
         }
 
+    def _release_maps(self) -> None:
+        for texture in (*self._maps, *([] if self._texture is None else [self._texture])):
+            texture.release()
+        self._texture, self._maps = None, []
+
     def release(self) -> None:
         """Free the GPU's memory."""
         if self._texture is not None:
-            self._texture.release()
-            self._texture = None
             self._made.forget()
-        if self._maps is not None:
-            self._maps.release()
-            self._maps = None
+        self._release_maps()
         if self._several is not None:
             self._several.release()
             self._several = None

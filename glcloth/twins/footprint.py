@@ -51,3 +51,29 @@ def with_mean(value, mean, wanted):
     wanted = np.asarray(wanted, float)[..., None]
     least = 0.1 * wanted
     return (value + np.maximum(least - mean, 0.0)) * (wanted / np.maximum(mean, least))
+
+
+def level_number(level, steps, choice):
+    """(number of a version of a map, share of the next) that are read at a mip level.   [own]"""
+    level, steps, choice = (np.asarray(x, float) for x in (level, steps, choice))
+    whole, end, count = np.moveaxis(steps, -1, 0)
+    number = np.minimum(level, whole) + 4.0 * np.clip(level - whole, 0.0, end - whole) + np.maximum(level - end, 0.0)
+    one = level <= end
+    first = np.minimum(np.floor(np.where(one, number + choice, number)), count - 1.0)
+    return np.stack([first, np.where(one | (first == count - 1.0), 0.0, number - first)], -1)
+
+
+def level_of_number(number, steps):
+    """The mip level of a version.   [own]"""
+    number = np.asarray(number, float)
+    whole, end, _ = np.moveaxis(np.asarray(steps, float), -1, 0)
+    last = whole + 4.0 * (end - whole)
+    return (
+        np.minimum(number, whole) + 0.25 * np.clip(number - whole, 0.0, last - whole) + np.maximum(number - last, 0.0)
+    )
+
+
+def place_in(rect, place):
+    """The place in the picture of all versions.   [own]"""
+    rect, place = np.asarray(rect, float), np.asarray(place, float)
+    return rect[..., :2] + (place - np.floor(place)) * rect[..., 2:]

@@ -42,3 +42,22 @@ vec4 with_mean(vec4 value, vec4 mean, float wanted) {
     float least = 0.1 * wanted;
     return (value + max(least - mean, 0.0)) * (wanted / max(mean, least));
 }
+
+// (number of a version of a map, share of the next) that a pixel reads whose size is mip level `level`. steps: from which mip
+// level, and up to which, versions are a quarter of a level apart, else a whole one; how many there are. Up to there the
+// share is 0: `choice`, 0..1, decides between neighbours, each as often as it is near. See glcloth/weave/levels.py.   [own]
+vec2 level_number(float level, vec3 steps, float choice) {
+    float number = min(level, steps.x) + 4.0 * clamp(level - steps.x, 0.0, steps.y - steps.x) + max(level - steps.y, 0.0);
+    bool one = level <= steps.y;
+    float first = min(floor(one ? number + choice : number), steps.z - 1.0);
+    return vec2(first, one || first == steps.z - 1.0 ? 0.0 : number - first);
+}
+
+// The mip level of a version.   [own]
+float level_of_number(float number, vec3 steps) {
+    float end = steps.x + 4.0 * (steps.y - steps.x);
+    return min(number, steps.x) + 0.25 * clamp(number - steps.x, 0.0, end - steps.x) + max(number - end, 0.0);
+}
+
+// The place in the picture of all versions; rect: where this one begins, and its sides; place: in repeats.   [own]
+vec2 place_in(vec4 rect, vec2 place) { return rect.xy + fract(place) * rect.zw; }

@@ -8,12 +8,12 @@ from glcloth.color import luminance
 from glcloth.fabric import load_fabric
 from glcloth.geometry.camera import Camera
 from glcloth.geometry.mesh import build_mesh
-from glcloth.gpu.pictures import picture_array
 from glcloth.light.lights import Lights, SphericalGaussians, Suns
 from glcloth.methods import relief, weave_maps
 from glcloth.methods.relief import LEVELS, SIDE, relief_table
-from glcloth.methods.weave_maps import WeaveMaps, fabric_maps, repeat_of
+from glcloth.methods.weave_maps import WeaveMaps, fabric_maps, level_inputs, repeat_of
 from glcloth.picture import uv_scale
+from glcloth.weave.levels import levels_of, side_by_side
 from glcloth.weave.maps import mip_levels
 
 EVEN = {"shift": 0.0, "yarn": 0.0, "fibre": 0.0}
@@ -316,19 +316,19 @@ def test_from_the_side_the_slope_that_faces_the_viewer_is_seen(ctx, monkeypatch,
     rises_away = ((place < 0.5) & (ramp > 0.0)).astype(float)  # the slope toward smaller u or v
     layers = np.zeros((3, size, size, 4), "f4")
     layers[0, :, :, 0], layers[2, :, :, 1] = rises_away, ramp
-    texture = picture_array(ctx, layers if axis == 0 else layers.swapaxes(1, 2))
+    read = level_inputs(ctx, "weave", np.moveaxis(layers if axis == 0 else layers.swapaxes(1, 2), -1, 1), 3)
     heights = np.broadcast_to(ramp if axis == 0 else ramp[:, None], (size, size)).astype("f4")
-    ridge = ctx.texture((size, size), 1, np.ascontiguousarray(heights), dtype="f4")
-    ridge.build_mipmaps()
-    ridge.filter = moderngl.LINEAR_MIPMAP_LINEAR, moderngl.LINEAR
+    beside = side_by_side(heights, levels_of(size, size, 3))
+    ridge = ctx.texture(beside.shape[::-1], 1, beside, dtype="f4")
+    ridge.filter = moderngl.LINEAR, moderngl.LINEAR
     inputs = {
-        "weave_map": texture, "height_map": ridge, "weave_repeats": (1.0, 1.0), "relief_end": 99.0,
+        **read, "height_levels": ridge, "weave_repeats": (1.0, 1.0), "relief_end": 99.0,
         "relief_heights": np.array([height, 1.0, 0.0], "f4"),
     }  # fmt: skip
     table = relief_table(ctx, inputs, (layers, heights), 1, 0, 0.0)
     means = np.frombuffer(table.read(), "f4").reshape(3, LEVELS, SIDE, SIDE, 4)[0, 0, ..., 0]
     row = means[SIDE // 2] if axis == 0 else means[:, SIDE // 2]
-    table.release(), texture.release(), ridge.release()
+    table.release(), read["weave_levels"].release(), ridge.release()
     # Half way to the horizon's circle the tangent is 4/3: the ridge hides its far slope, and is seen 4/3 of its height behind.
     middle = SIDE // 2
     assert row[middle] == pytest.approx(0.25, abs=0.02)

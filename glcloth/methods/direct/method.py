@@ -258,6 +258,15 @@ class Direct(Method):
         """As `defines` says."""
         return self._variant[:2]
 
+    def woven_defines(self) -> dict[str, Any]:
+        """Of the last vec4 only what is in use: most woven fabrics have 14 tangents. Other programs round otherwise, so cloth
+        from afar has none of them."""
+        groups, lanes, _ = self._variant
+        left = len(self._view_of[0].tangents) - (groups - 1) * lanes
+        if lanes < 4 or groups == 1 or not 0 < left <= 2:
+            return {}
+        return {"LANES(g)": f"((g) < {groups - 1} ? {_used(4)} : {_used(2)})"}
+
     def woven_inputs(self) -> dict[str, Any]:
         """The tables of broad light, and which tangent counts how much in them."""
         self._woven_made.get(self._draw_woven_table, *self._view_key)
@@ -406,6 +415,11 @@ def _defines(groups: int, lanes: int, pooled: bool) -> dict[str, Any]:
     return {
         "GROUPS": groups,
         "EACH_GROUP(F)": " ".join(f"F({g});" for g in range(groups)),
-        "LANES": f"vec4({', '.join('1.0' if i < lanes else '0.0' for i in range(4))})",
+        "LANES(g)": _used(lanes),
         "POOLED(L)": "L" if pooled else "",
     }
+
+
+def _used(lanes: int) -> str:
+    """A vec4 in GLSL: 1 for each component in use."""
+    return f"vec4({', '.join('1.0' if i < lanes else '0.0' for i in range(4))})"

@@ -1,6 +1,6 @@
 // The tangents of a fabric at one omega_o, and their terms at one omega_i, for the passes of method `direct`.   [Miz 4-6]
 //   sum_t R_t cos(theta_i) (f_rs + A_j f_rv),   R_t = w_t M_t P_t / Q
-// Defines: GROUPS, vec4s that hold the tangents; EACH_GROUP(F), that is F(0); F(1); ... F(GROUPS - 1); LANES, 1 for each
+// Defines: GROUPS, vec4s that hold the tangents; EACH_GROUP(F), that is F(0); F(1); ... F(GROUPS - 1); LANES(g), 1 for each
 // component of those vec4s that is in use; WEAVE and LANE_COUNT, their number, where a pixel sees `rel` of each. See docs/direct.md.
 #include "core/math.glsl"
 #include "direct/slots.glsl"
@@ -9,7 +9,7 @@
 uniform vec4 mask_series;               // of g_of_cos, for sigma of shadowing and masking
 uniform float gap;                      // 1 - a_1 - a_2 in W's normaliser
 uniform vec3 yarn_A[2];
-// Four tangents each; unused ones weigh nothing. A LANES of 0 is a constant that lets the compiler drop a component.
+// Four tangents each; unused ones weigh nothing. A LANES(g) of 0 is a constant that lets the compiler drop a component.
 uniform vec4 slot_cos_tilt[GROUPS];
 uniform vec4 slot_sin_tilt[GROUPS];
 uniform vec4 slot_share[GROUPS];  // in W's normaliser
@@ -56,7 +56,7 @@ float Q;
 
 void add_P(int g) {
     vec4 c = max(of_yarn(g, cos_psi_i) * slot_cos_tilt[g] + of_yarn(g, sin_psi_i) * slot_sin_tilt[g], 0.0);
-    shared_P[g] = slot_share[g] * LANES * D_masks(of_yarn(g, g_psi), c, cos_psi_t[g]);
+    shared_P[g] = slot_share[g] * LANES(g) * D_masks(of_yarn(g, g_psi), c, cos_psi_t[g]);
     Q += dot(shared_P[g], vec4(1.0));
 }
 

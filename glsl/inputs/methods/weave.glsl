@@ -1,7 +1,9 @@
 // How much of each tangent a pixel shows, and in which colours: maps of one repeat of a weave, averaged over the pixel.   [own]
 //   L = sum_t rel_t w_t M P f / Q with Q of the whole weave; the mean of rel_t is 1, so that of the pixels is the far field's.
 // Stands for inputs/methods/threads.glsl. See glcloth/methods/weave_maps.py.
+// Defines: ONE_COLOR, where no thread has a colour of its own: a software rasteriser reads maps of colours even if not `colored`.
 #include "inputs/methods/rel.glsl"
+#include "inputs/methods/levels.glsl"
 #include "inputs/picture/pixel_uv.glsl"
 #ifdef PRINT
 #include "inputs/picture/print.glsl"
@@ -9,11 +11,8 @@
 #ifdef RELIEF
 #include "core/disk.glsl"
 #include "inputs/methods/relief.glsl"
-uniform sampler3D relief_table;  // means of rel, of turn and of holes, each at several levels; omega as a disk
+uniform sampler2DArray relief_table;  // means of rel, of turn and of holes, each at several levels; omega as a disk
 uniform vec3 relief_levels;  // the mip level of the first, how many, and how many from one mip level to the next
-#else
-uniform sampler2DArray weave_map;  // GROUPS layers of rel, then of turn; then one whose first value is 1 in holes
-uniform vec2 weave_repeats;        // 1/m, along u and v
 #endif
 #define SUMS vec4
 #define ADD_LIGHT(light, omega) L += (light) * woven(sum_tangents(lean(omega)))
@@ -22,13 +21,14 @@ uniform vec2 weave_repeats;        // 1/m, along u and v
 // A uniform: compilers unroll a loop whose limit they can tell, and a software rasteriser then runs all its rounds.
 uniform float most_taps;
 uniform float hole_mean;             // the share of holes
-uniform sampler2DArray color_map;    // of warp and of weft: colour times share, share
 uniform bool colored;                // whether threads have colours of their own
-uniform vec2 color_repeats;  // 1/m, along u and v
 uniform vec3 weave_A[2];
 uniform float far_footprint;  // metres of cloth, the shorter side of a pixel from which on it shows no threads
 
-uniform sampler2D noise_map;
+uniform sampler2DArray noise_levels;
+uniform vec4 noise_rects[MOST_LEVELS];
+uniform vec2 noise_sizes;
+uniform vec3 noise_steps;
 uniform vec2 yarns;       // picks and ends of a metre
 uniform vec4 irregular;   // yarns: how far yarns wander, and along how many; deviation of the light of single yarns, of fibres
 uniform vec4 fibres;      // strands across a yarn, their length over their width; sideways way of fibres along warp and weft
@@ -36,28 +36,47 @@ uniform vec4 fibres;      // strands across a yarn, their length over their widt
 vec3 pixel_A[2];
 vec4 strands;  // by how much surface and volume terms of warp and weft are brighter
 
+// 0..1: which of the versions of a map that are near a pixel's size it reads. Neighbours read other ones, so that no line shows
+// where the size passes from one to the next.
+float choice;
+
+float choice_of(ivec2 pixel) {
+    int x = pixel.x, y = pixel.y, even = x ^ y;
+    int order = (even & 1) << 3 | (y & 1) << 2 | (even & 2) | (y & 2) >> 1;  // of a square of 4 x 4; the nearest for pixel 0
+    return (float(order ^ 8) + 0.5) / 16.0;
+}
+
 // The places at which a pixel reads a map, in repeats: `count` of them on its longer side `along`, left and right of its middle.
+// Where a pixel's size is between two mip levels each place has two rounds, of the finer one and of the coarser one.
 struct Taps {
-    float count, level;
+    float count, rounds;
+    vec2 number;  // of the version of the map, share of the next
+    float level;  // mip level
     vec2 along, across;
 };
 
-Taps pixel_taps(PixelUv at, vec2 repeats, vec2 size) {
+Taps pixel_taps(PixelUv at, vec2 repeats, vec2 size, vec3 steps) {
     vec2 x = at.x * repeats, y = at.y * repeats;
     vec2 taps = taps_and_level(x * size, y * size, most_taps);
     bool wide = dot(x * size, x * size) > dot(y * size, y * size);
     // One place filters a repeat of few texels badly: where pixels run in step with its harmonics, their mean is another one.
     float least = max(length(at.x * yarns), length(at.y * yarns)) > 0.2 ? 2.0 : 1.0;
     float count = max(taps.x, least);
-    return Taps(count, taps.y, wide ? x : y, count > 1.0 ? (wide ? y : x) : vec2(0.0));
+    vec2 number = level_number(taps.y, steps, choice);
+    return Taps(count, number.y > 0.0 ? 2.0 * count : count, number, taps.y, wide ? x : y, count > 1.0 ? (wide ? y : x) : vec2(0.0));
 }
 
-vec2 tap_place(Taps taps, vec2 middle, float n) {
-    return middle + taps.along * ((n + 0.5) / taps.count - 0.5) + taps.across * (fract(0.5 * n) - 0.25);
+// The place of a round, and its share.
+vec3 tap_place(Taps taps, vec2 middle, float n) {
+    float tap = n < taps.count ? n : n - taps.count;
+    vec2 place = middle + taps.along * ((tap + 0.5) / taps.count - 0.5) + taps.across * (fract(0.5 * tap) - 0.25);
+    return vec3(place, (n < taps.count ? 1.0 - taps.number.y : taps.number.y) / taps.count);
 }
+
+float tap_number(Taps taps, float n) { return taps.number.x + (n < taps.count ? 0.0 : 1.0); }
 
 // The way to what is seen at a place of the middle plane, in repeats.
-vec2 shift_at(vec2 place, float level, vec3 omega) {
+vec2 shift_at(vec2 place, Level level, vec3 omega) {
 #ifdef RELIEF
     return relief_shift(place, level, omega);
 #else
@@ -66,25 +85,33 @@ vec2 shift_at(vec2 place, float level, vec3 omega) {
 }
 
 #ifdef RELIEF
-vec4 mean_seen(int layer, float level, vec3 omega) {
+// Where means are for a pixel that reads such versions of the maps: place on the disk, level.
+vec3 mean_place(Taps taps, vec3 omega) {
     vec2 p = 0.5 + (0.5 - 0.5 / float(textureSize(relief_table, 0).x)) * to_disk(normalize(omega));
-    float z = (float(layer) * relief_levels.y + clamp(relief_levels.z * (level - relief_levels.x), 0.0, relief_levels.y - 1.0) + 0.5) / float(textureSize(relief_table, 0).z);
-    return textureLod(relief_table, vec3(p, z), 0.0);
+    float level = taps.number.y > 0.0 ? taps.level : level_of_number(taps.number.x, weave_steps);
+    float row = floor(relief_levels.z * (level - relief_levels.x) + choice);
+    return vec3(p, clamp(row, 0.0, relief_levels.y - 1.0));
+}
+
+vec4 mean_seen(int layer, vec3 place) {
+    return textureLod(relief_table, vec3(place.xy, float(layer) * relief_levels.y + place.z), 0.0);
 }
 #endif
 
 void fetch_colors(PixelUv at) {
     pixel_A[0] = weave_A[0];
     pixel_A[1] = weave_A[1];
+#ifndef ONE_COLOR
     if (!colored) return;
-    Taps taps = pixel_taps(at, color_repeats, vec2(textureSize(color_map, 0).xy));
+    Taps taps = pixel_taps(at, color_repeats, color_sizes, color_steps);
     vec4 warp = vec4(0.0), weft = vec4(0.0);
     float tap = 0.0;
     do {
-        vec2 place = tap_place(taps, at.uv * color_repeats, tap);
-        warp += textureLod(color_map, vec3(place, 0.0), taps.level);
-        weft += textureLod(color_map, vec3(place, 1.0), taps.level);
-    } while (++tap < taps.count);
+        vec3 place = tap_place(taps, at.uv * color_repeats, tap);
+        float number = tap_number(taps, tap);
+        warp += place.z * color_at(number, place.xy, 0);
+        weft += place.z * color_at(number, place.xy, 1);
+    } while (++tap < taps.rounds);
     pixel_A[0] = warp.a > 1e-4 ? warp.rgb / warp.a : weave_A[0];
     pixel_A[1] = weft.a > 1e-4 ? weft.rgb / weft.a : weave_A[1];
 #ifdef PRINT
@@ -92,13 +119,15 @@ void fetch_colors(PixelUv at) {
     if (warp.a > 1e-4) pixel_A[0] *= print_mean;
     if (weft.a > 1e-4) pixel_A[1] *= print_mean;
 #endif
+#endif
 }
 
 // -- irregularity: every factor has the mean 1, and wandering yarns wander alike wherever they are in the repeat ------------
 
 // Four values of mean 0 and deviation 1; `at`: in texels, x and y: how that changes to the next pixels.
 vec4 noise(vec2 at, vec2 x, vec2 y) {
-    return textureLod(noise_map, at / float(textureSize(noise_map, 0).x), taps_and_level(x, y, 1.0).y);
+    float number = level_number(taps_and_level(x, y, 1.0).y, noise_steps, choice).x;
+    return textureLod(noise_levels, vec3(place_in(noise_rects[int(number)], at / noise_sizes), 0.0), 0.0);
 }
 
 // The change of UVs, in yarns, where yarns wander; sets `strands`.
@@ -129,48 +158,53 @@ float threads_seen(PixelUv at) {
 
 // The share of a pixel that is a hole between threads; its mean is `hole_mean`.
 float hole_share(ivec2 pixel) {
+    choice = choice_of(pixel);
     PixelUv at = wandered(pixel_uv(pixel));
-    Taps taps = pixel_taps(at, weave_repeats, vec2(textureSize(weave_map, 0).xy));
+    Taps taps = pixel_taps(at, weave_repeats, weave_sizes, weave_steps);
     float tap = 0.0, hole = 0.0;
     do {
-        vec2 place = tap_place(taps, at.uv * weave_repeats, tap);
-        place += shift_at(place, taps.level, at.omega);
-        hole += textureLod(weave_map, vec3(place, float(2 * GROUPS)), taps.level).r;
-    } while (++tap < taps.count);
-    hole /= taps.count;
+        vec3 place = tap_place(taps, at.uv * weave_repeats, tap);
+        Level level = weave_level(tap_number(taps, tap));
+        place.xy += shift_at(place.xy, level, at.omega);
+        hole += place.z * weave_at(level, place.xy, 2 * GROUPS).r;
+    } while (++tap < taps.rounds);
 #ifdef RELIEF
     // Seen from the side holes are narrower; the far cloth's own thickness says so already.
-    float mean = min(mean_seen(2 * GROUPS, taps.level, at.omega).r, 0.999);
+    float mean = min(mean_seen(2 * GROUPS, mean_place(taps, at.omega)).r, 0.999);
     hole = mean < hole_mean ? hole + (1.0 - hole) * (hole_mean - mean) / (1.0 - mean) : hole * hole_mean / max(mean, 1e-6);
 #endif
     return mix(hole_mean, hole, threads_seen(at));
 }
 
 void fetch_weave(ivec2 pixel) {
+    choice = choice_of(pixel);
     PixelUv here = pixel_uv(pixel), at = wandered(here);
-    Taps taps = pixel_taps(at, weave_repeats, vec2(textureSize(weave_map, 0).xy));
+    Taps taps = pixel_taps(at, weave_repeats, weave_sizes, weave_steps);
 #define NO_REL(g) rel[g] = turn[g] = vec4(0.0);
-#define ADD_REL(g) rel[g] += textureLod(weave_map, vec3(place, float(g)), taps.level); \
-    turn[g] += textureLod(weave_map, vec3(place, float(g + GROUPS)), taps.level);
-#define MEAN_REL(g) rel[g] = mix(vec4(1.0), share * rel[g], seen); turn[g] *= seen * share;
+#define ADD_REL(g) rel[g] += place.z * weave_at(level, place.xy, g); \
+    turn[g] += place.z * weave_at(level, place.xy, g + GROUPS);
+#define MEAN_REL(g) rel[g] = mix(vec4(1.0), rel[g], seen); turn[g] *= seen;
     EACH_GROUP(NO_REL)
-    float tap = 0.0, share = 1.0 / taps.count;
+    float tap = 0.0;
     vec2 shift = vec2(0.0);
     do {
-        vec2 place = tap_place(taps, at.uv * weave_repeats, tap), way = shift_at(place, taps.level, at.omega);
-        shift += way;
-        place += way;
+        vec3 place = tap_place(taps, at.uv * weave_repeats, tap);
+        Level level = weave_level(tap_number(taps, tap));
+        vec2 way = shift_at(place.xy, level, at.omega);
+        shift += place.z * way;
+        place.xy += way;
         EACH_GROUP(ADD_REL)
-    } while (++tap < taps.count);
+    } while (++tap < taps.rounds);
     float seen = threads_seen(at);
 #ifdef RELIEF
     // From the side a repeat shows other shares of the tangents, and other sides of the yarns. The far cloth knows that already.
+    vec3 means = mean_place(taps, at.omega);
 #define EVEN_REL(g) { \
-    vec4 mean = mean_seen(g, taps.level, at.omega), side = mean_seen(g + GROUPS, taps.level, at.omega); \
-    rel[g] = taps.count * with_mean(share * rel[g], mean, 1.0); \
+    vec4 mean = mean_seen(g, means), side = mean_seen(g + GROUPS, means); \
+    rel[g] = with_mean(rel[g], mean, 1.0); \
     turn[g] = (turn[g] - side * rel[g]) / max(mean, 0.1); }
     EACH_GROUP(EVEN_REL)
-    at.uv += share * shift / weave_repeats;
+    at.uv += shift / weave_repeats;
 #endif
     EACH_GROUP(MEAN_REL)
     strands = mix(vec4(1.0), strands, seen);
