@@ -18,6 +18,7 @@ from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..gpu.screen import draw_screen
 from ..light.environment import rotation_y
+from ..methods.weave_maps import far_footprint
 from ..tracing.denoise import check_denoiser
 from ..tracing.path import PathSums, PathTracer, PathView, Progress, followed, samples_of
 from ..tracing.path_world import Catcher, Map, Maps, Mask, Painted, PathWorld
@@ -28,6 +29,7 @@ from .pace import Pace
 from .picked import OPEN, Picked
 from .prints import Print, texel_means
 from .solids import FADE
+from .threads import least_footprint
 from .uv_scale import guessed_scale
 
 MOST_OPEN = 64  # places that are cut out, one behind the other, which a look goes through
@@ -186,6 +188,7 @@ class PathPictures:
         self._tracer: PathTracer | None = None
         self._map = EnvironmentMap(ctx)
         self._world: Last[PathWorld] = Last()
+        self._units: dict[int, Last[float]] = {}  # of each cloth
         self._queries: RayQueries | None = None
 
     @property
@@ -204,7 +207,7 @@ class PathPictures:
         """
         check_path(frame)
         scene, tracer = frame.scene, self.tracer
-        self._take(frame)
+        near = self._near(frame)
         if scene.light == "map":
             tracer.sky.take_map(frame.environment, rotation_y(scene.env_rotate))
         else:
@@ -213,7 +216,9 @@ class PathPictures:
             "environment_map": self._map.texture(frame.environment),
             "map_from_world": rotation_y(-scene.env_rotate),
         }
-        view = PathView(frame.camera, scene.size, behind, scene.background, 24 if scene.bounce else 1)
+        view = PathView(
+            frame.camera, scene.size, behind, scene.background, 24 if scene.bounce else 1, threads=near
+        )
         total = samples_of(scene.spp, scene.noise)
         steps: Iterator[Progress] = tracer.steps(view, total, scene.noise, patience)
         if pace.announce:
@@ -224,8 +229,23 @@ class PathPictures:
             yield progress.samples, total
         self.draw(target)
 
-    def _take(self, frame: Frame) -> None:
-        self.tracer.take(self._world.get(lambda: world_of(frame), frame.cloths, frame.objects, frame.scene.uv_scale))
+    def _take(self, frame: Frame) -> PathWorld:
+        world = self._world.get(lambda: world_of(frame), frame.cloths, frame.objects, frame.scene.uv_scale)
+        self.tracer.take(world)
+        return world
+
+    def _near(self, frame: Frame) -> tuple[float | None, ...]:
+        """Of each fabric that is worn the metres in a UV unit, where pixels may be near enough to show its threads, else None."""
+        world, units = self._take(frame), []
+        for k, fabric in world.worn:
+            mesh, unit = world.cloths[k][0], None
+            if frame.scene.threads and fabric.weave is not None and mesh.uv is not None:
+                low, high = (np.asarray(bound(mesh.positions, axis=0), float) for bound in (np.min, np.max))
+                if least_footprint(frame, low, high) < far_footprint(fabric):
+                    scale = self._units.setdefault(k, Last())
+                    unit = frame.scene.uv_scale or scale.get(lambda mesh=mesh: guessed_scale(mesh), mesh)  # type: ignore[misc]
+            units.append(unit)
+        return tuple(units)
 
     def pick(self, frame: Frame, x: float, y: float) -> Picked | None:
         """The cloth at a place of a frame's picture, as `picked.pick`: a ray looks, which goes through open places."""

@@ -73,7 +73,7 @@ class Threads:
         if not frame.scene.threads or fabric.weave is None or buffers.mesh.uv is None:
             return False
         self.far = far_footprint(fabric)
-        return least_footprint(frame, buffers) < self.far
+        return least_footprint(frame, buffers.low, buffers.high) < self.far
 
     def _write(self, mesh: Mesh, scale: float) -> None:
         assert mesh.uv is not None
@@ -147,12 +147,12 @@ class Threads:
         return self._print.inputs(*self.printed, scale)
 
 
-def least_footprint(frame: Frame, buffers: MeshBuffers) -> float:
-    """Metres of cloth that a pixel covers at least on its shorter side, wherever the mesh may be in its box."""
+def least_footprint(frame: Frame, low: np.ndarray, high: np.ndarray) -> float:
+    """Metres of cloth that a pixel covers at least on its shorter side, wherever a mesh may be in its box."""
     eye, (width, height) = np.asarray(frame.camera.eye), frame.scene.size
     if frame.camera.ortho is not None:
         return frame.camera.ortho / height
-    distance = float(np.linalg.norm(np.maximum(np.maximum(buffers.low - eye, eye - buffers.high), 0.0)))
+    distance = float(np.linalg.norm(np.maximum(np.maximum(low - eye, eye - high), 0.0)))
     distance = max(distance - 0.5 * frame.camera.aperture, 0.0)
     rays = frame.camera.ray_from_pixel((width, height))
     corners = rays @ np.array([[x, y, 1.0] for x in (0, width) for y in (0, height)]).T

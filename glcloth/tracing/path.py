@@ -26,6 +26,7 @@ from ..visibility.hit_vertices import HitSurface, HitVertices
 from ..visibility.sheets import Sheets, sight
 from .energy import mean_albedo, reflection_limit
 from .lamp import Lamp
+from .path_threads import INCLUDE, PathThreads, ThreadDispatch
 from .path_world import PathPictureArray, PathWorld
 from .sky import Sky
 
@@ -44,7 +45,8 @@ BLOCK = 8  # samples, from whose sums the noise is found: samples fill their int
 class PathView(NamedTuple):
     """How a picture is taken: `vertices` is the most surfaces on a path that scatter; `background` whether the map is seen;
     `lamp`: a point that gives light; `spread`: what yarns let through is drawn from their lobes, whose narrow ones else go
-    straight on."""
+    straight on; `threads`: of each fabric that is worn the metres in a UV unit, None where no pixel can show its threads; ():
+    no pixel shows any."""
 
     camera: Camera
     size: tuple[int, int]
@@ -53,6 +55,7 @@ class PathView(NamedTuple):
     vertices: int = 24
     lamp: Lamp | None = None
     spread: bool = False
+    threads: tuple[float | None, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,6 +154,7 @@ class PathTracer:
         self._solid, self._cloth, self._fabric = TextureBuffer(ctx, 16), TextureBuffer(ctx, 64), TextureBuffer(ctx, 16)
         self._sums = Buffer(ctx, 16)
         self._pictures = PathPictureArray(ctx)
+        self._threads = PathThreads(ctx)
         self._built: Last[None] = Last()
         self._dressed: Last[None] = Last()
         self._size = (0, 0)
@@ -256,13 +260,23 @@ class PathTracer:
         ground = self._world.ground
         return self._tree if ground is None else OverGround(self._tree, ground[0])
 
-    def _program(self) -> Compute:
+    def _dispatches(self, view: PathView) -> list[ThreadDispatch]:
+        """What each batch of samples takes: one dispatch, or one for each fabric that shows threads."""
+        fabrics = [fabric for _, fabric in self._world.worn]
+        units = view.threads or (None,) * len(fabrics)
+        shown = self._threads.dispatches(fabrics, units, view.camera, view.size)
+        uv = self._pictures.uv_inputs(self._world) if shown else {}
+        return [ThreadDispatch(one.defines, {**one.inputs, **uv}) for one in shown] or [ThreadDispatch({}, {})]
+
+    def _program(self, threads: dict[str, Any]) -> Compute:
         defines, virtual, _ = sight(self.structure, self._sheer, "inputs/tracing/sight_either.glsl")
         if self._pictures.any:
             defines = {**defines, "PICTURES": 1}
         if self._world.catcher is not None:
             defines = {**defines, "CATCHER": 1}
         virtual["sky.glsl"] = self.sky.source
+        if threads:
+            defines, virtual = {**defines, **threads}, {**virtual, **INCLUDE}
         if self._sheer is not None:
             virtual["sight.glsl"] = "inputs/tracing/sight_sheer.glsl"
         return programs(self.ctx).compute("passes/tracing/path.comp", defines, virtual)
@@ -282,14 +296,18 @@ class PathTracer:
         self._size = view.size
         self._sums.write(np.zeros((pixels, TEXELS, 4), "f4"))
         progress = self.progress = Progress()
-        program, inputs, look = self._program(), self._inputs(view), LEAST_SAMPLES
+        inputs, look = self._inputs(view), LEAST_SAMPLES
+        parts = [(self._program(one.defines), one.inputs) for one in self._dispatches(view)]
         while progress.samples < samples:
             count = min(self.batch, samples - progress.samples)
             while progress.pixels < pixels:
                 begin, part = time.perf_counter(), min(self._part, pixels - progress.pixels)
                 where = {"first_pixel": progress.pixels, "pixel_count": part}
-                which = {"first_sample": progress.samples, "sample_count": count, "block": BLOCK}
-                program.run(part, inputs, where, which, Sums=self._sums)
+                which = {"first_sample": progress.samples, "sample_count": count}
+                for k, (program, own) in enumerate(parts):
+                    # A block ends when all parts of its samples are there.
+                    block = BLOCK if k + 1 == len(parts) else MOST_SAMPLES + BATCH
+                    program.run(part, inputs, where, which, own, block=block, Sums=self._sums)
                 self.ctx.finish()  # so that progress tells the truth and Ctrl-C is heard
                 progress.pixels += part
                 took, wanted = time.perf_counter() - begin, patience() if patience else PATIENCE
@@ -339,6 +357,7 @@ class PathTracer:
             self._fabric,
             self._sums,
             self._pictures,
+            self._threads,
         )
         for one in parts:
             one.release()

@@ -11,6 +11,7 @@ import numpy as np
 from ..fabric import Fabric
 from ..geometry.mesh import Mesh
 from ..gpu.buffers import TextureBuffer
+from ..gpu.memo import Last
 from ..gpu.pictures import even_size, picture_array, resampled
 
 MOST_TEXELS = 1 << 24  # of all pictures together, 128 MiB
@@ -122,6 +123,7 @@ class PathPictureArray:
         self._words = TextureBuffer(ctx, 4, "r32ui")
         self._stride = 1
         self._array: moderngl.TextureArray | None = None
+        self._placed: Last[None] = Last()
 
     def take(self, world: PathWorld) -> Numbers:
         """Upload them."""
@@ -141,7 +143,8 @@ class PathPictureArray:
         self.any = bool(layers) or bool((mask_rows >= 0.0).any())
         if self.any:
             white = np.ones((1, 1, 3), np.float32)
-            self._put(layers or [white], [mesh for mesh, _ in (*world.cloths, *world.solids)])
+            self._put(layers or [white])
+            self.uv_inputs(world)
         return Numbers(of_cloths, repeats, mask_rows, masks, np.concatenate([*of_solids, [-1.0]]))
 
     def _take_masks(self, world: PathWorld) -> tuple[np.ndarray, np.ndarray]:
@@ -161,13 +164,21 @@ class PathPictureArray:
         self._words.write(texels.view("<u4"))
         return rows, looks
 
-    def _put(self, layers: list[np.ndarray], meshes: list[Mesh]) -> None:
+    def uv_inputs(self, world: PathWorld) -> dict[str, Any]:
+        """The UVs of all vertices of a world, by their name in GLSL."""
+        meshes = tuple(mesh for mesh, _ in (*world.cloths, *world.solids))
+        self._placed.get(lambda: self._place(meshes), meshes)
+        return {"surface_uv": self._uv}
+
+    def _place(self, meshes: tuple[Mesh, ...]) -> None:
+        uv = [np.zeros((len(mesh.positions), 2)) if mesh.uv is None else np.nan_to_num(mesh.uv) for mesh in meshes]
+        self._uv.write(np.pad(np.concatenate(uv), ((0, 0), (0, 2))).astype("f4"))
+
+    def _put(self, layers: list[np.ndarray]) -> None:
         self._release_array()
         height, width = (max(layer.shape[k] for layer in layers) for k in (0, 1))
         size = even_size(height, width, MOST_TEXELS // len(layers))
         self._array = picture_array(self.ctx, np.stack([resampled(layer, size) for layer in layers]))
-        uv = [np.zeros((len(mesh.positions), 2)) if mesh.uv is None else np.nan_to_num(mesh.uv) for mesh in meshes]
-        self._uv.write(np.pad(np.concatenate(uv), ((0, 0), (0, 2))).astype("f4"))
 
     def inputs(self) -> dict[str, Any]:
         """By their names in GLSL."""

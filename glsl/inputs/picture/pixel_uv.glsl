@@ -1,5 +1,5 @@
-// Where on its threads a pixel lies: UVs in metres, and how they change from pixel to pixel.   [own]
-#include "core/footprint.glsl"
+// Where on its threads a pixel lies.   [own]
+#include "inputs/picture/uv_footprint.glsl"
 #include "inputs/picture/gbuffer.glsl"
 #include "inputs/picture/gbuffer_point.glsl"
 
@@ -7,13 +7,6 @@ uniform samplerBuffer thread_points;    // of the mesh, three texels a vertex: t
 uniform isamplerBuffer thread_corners;  // three a triangle
 uniform samplerBuffer thread_uv;        // of each vertex, metres
 uniform vec4 viewpoint;        // (eye, 1), or of parallel rays (direction toward the camera, 0)
-uniform mat3 step_from_pixel;  // how a ray changes to the next pixel: its direction, or of parallel rays its origin
-
-struct PixelUv {
-    vec2 uv;
-    vec2 x, y;  // change to the next pixel of the row, of the column
-    vec3 omega;  // toward the viewer: along u and v, and off the cloth
-};
 
 PixelUv pixel_uv(ivec2 pixel) {
     int number = triangle_at(pixel);
@@ -26,12 +19,7 @@ PixelUv pixel_uv(ivec2 pixel) {
     vec3 w = weights_at(pixel);
     vec3 d = ray_from_pixel * vec3(vec2(pixel) + 0.5, 1.0);
     float t = viewpoint.w > 0.0 ? length(a + w.y * b + w.z * c - viewpoint.xyz) / length(d) : 1.0;
-    vec3 n = cross(b, c);
-    n *= inversesqrt(max(dot(n, n), 1e-30));
-    vec3 x = place_step(d, step_from_pixel[0], n, t), y = place_step(d, step_from_pixel[1], n, t);
-    vec3 away = d * -inversesqrt(dot(d, d));
-    vec3 omega = vec3(uv_step(away, b, c, uv_b, uv_c), abs(dot(away, n)));
-    return PixelUv(uv + w.y * uv_b + w.z * uv_c, uv_step(x, b, c, uv_b, uv_c), uv_step(y, b, c, uv_b, uv_c), omega);
+    return uv_footprint(b, c, uv, uv_b, uv_c, w, d, t);
 }
 
 // The mean over a pixel of a layer of pictures that repeat over UVs. `most_taps`, places that are read at most, must be a

@@ -10,6 +10,9 @@
 #include "fibre/tangent.glsl"
 #include "trace/random.glsl"
 #include "inputs/tracing/path_surface.glsl"
+#ifdef WEAVE
+#include "inputs/tracing/path_threads.glsl"
+#endif
 uniform samplerBuffer fabric_data;
 
 const int FABRIC_TEXELS = 4 + MAX_TANGENTS;
@@ -45,7 +48,11 @@ Thread fetch_thread(Fabric fabric, int t) {
     int j = t < fabric.tangents.x ? 0 : 1;
     vec4 p = texelFetch(fabric_data, fabric.first + 2 * j), q = texelFetch(fabric_data, fabric.first + 2 * j + 1);
     vec4 r = texelFetch(fabric_data, fabric.first + 4 + t);
-    return Thread(j, fabric.tint * p.xyz, p.w, q.x, q.y, q.z, Tangent(r.x, r.y, r.z, r.w));
+    vec3 A = fabric.tint * p.xyz;
+#ifdef WEAVE
+    if (at_threads) A = j == 0 ? pixel_A[0] : pixel_A[1];
+#endif
+    return Thread(j, A, p.w, q.x, q.y, q.z, Tangent(r.x, r.y, r.z, r.w));
 }
 
 float luminance(vec3 color) { return dot(color, vec3(0.2126, 0.7152, 0.0722)); }
@@ -72,9 +79,16 @@ vec3 f_and_pdf(Fabric fabric, vec3 omega_i, vec3 omega_o, out float pdf) {
         vec3 terms = tangent_terms(i, o, thread.tangent.weight, thread.eta, thread.k_d, thread.gamma_s, thread.gamma_v,
             fabric.sigma);
         Q += thread.tangent.share * terms.x;
+#ifdef WEAVE
+        vec2 seen = seen_tangent(t);
+        terms.yz *= seen_of(seen, thread.yarn, omega_i) * (thread.yarn == 0 ? strands.xy : strands.zw);
+#endif
         sum += terms.y + thread.A * terms.z;
         vec2 ends_v, ends_s;
         vec2 weights = weights_of(thread, o, ends_v, ends_s);
+#ifdef WEAVE
+        weights *= seen.x;
+#endif
         all += weights.x + weights.y;
         dense += weights.x * lobe_pdf(i, o, thread.gamma_v, ends_v, 0) + weights.y * lobe_pdf(i, o, thread.gamma_s, ends_s, 1);
         ++t;
@@ -102,6 +116,9 @@ vec3 drawn_direction(Fabric fabric, vec3 omega_o, float choice, vec2 u) {
         vec3 o = tangent_from_surface(omega_o, thread.yarn, thread.tangent.cos_tilt, thread.tangent.sin_tilt);
         vec2 ends_v, ends_s;
         vec2 weights = weights_of(thread, o, ends_v, ends_s);
+#ifdef WEAVE
+        weights *= seen_tangent(t).x;
+#endif
         float both = weights.x + weights.y;
         all += both;
         float share = all > 0.0 ? both / all : 0.0;

@@ -11,9 +11,11 @@ uniform samplerBuffer hit_vertices;  // three texels a vertex: position, normal,
 uniform samplerBuffer solid_data;    // of each triangle of the objects what it reflects, its picture; then of the ground
 #ifdef PICTURES
 uniform sampler2DArray surface_pictures;  // the first row at v = 0
-uniform samplerBuffer surface_uv;    // of each vertex
 uniform usamplerBuffer mask_words;   // of all fabric masks, row by row: a byte a texel, the fabric of the cloth
 uniform int mask_stride;             // words a row
+#endif
+#if defined(PICTURES) || defined(WEAVE)
+uniform samplerBuffer surface_uv;    // of each vertex
 #endif
 uniform samplerBuffer cloth_data;    // CLOTH_TEXELS a cloth, see inputs/tracing/path_fabric.glsl
 uniform int cloth_count;

@@ -3,7 +3,7 @@
 // Light is sampled at every vertex (a sun; the lamp; a direction of the sky, weighted by the balance heuristic against those that
 // the surface draws   [Veach 1995]), and paths end by Russian roulette. Defines: SHEER, where cloth lets light through;
 // PICTURES, where there are prints, openings, fabric masks or objects with pictures; CATCHER, where of the ground only the shadow
-// is seen.
+// is seen; WEAVE and its kin, where pixels may show threads (inputs/tracing/path_threads.glsl).
 // What is drawn fills its interval evenly over the samples of a pixel, each draw by itself   [Burley 2020].
 // Few samples a dispatch (glcloth/tracing/path.py): loops may end silently after 65,535 iterations.
 layout(local_size_x = 64) in;
@@ -48,6 +48,10 @@ const float LEAST_REFLECTED = 0.02;  // of the draws at a sheet
 const float DARK = 1e-7;            // of the light is not worth a ray
 
 uvec3 state;                        // pixel, sample, draws so far
+#ifdef WEAVE
+uniform bool in_parallel;
+vec3 eye_ray;                       // of the sample, 1 along the view
+#endif
 
 vec3 rnd() {
     state.z += 1u;
@@ -157,6 +161,9 @@ vec3 scattered(Point point, Fabric fabric, vec3 omega_i, vec3 omega_o, vec2 chan
         } else {
             f = f_lambert(i, o, p.z, tau, p.x, p.w);
         }
+#ifdef WEAVE
+        f *= covering;
+#endif
         pdf = chances.y * -omega_i.z / PI;
         // Drawn directions are then those of the lobes, and no light is sampled there but the lamp, which they never meet.
         if (spread) {
@@ -273,6 +280,17 @@ Shares shares_of(Point point, vec3 omega_o) {
         evenly = parts.rgb;
     }
     float mirrored = R_limited(R_sheet(omega_o, p.z, p.x, q.x, q.y), straight + evenly, albedo);
+#ifdef WEAVE
+    if (at_threads) {
+        float hole = hole_share(ivec2(0));
+        covering = (1.0 - hole) / max(1.0 - hole_mean, 1e-6);
+        straight = spread ? vec3(p.y * open_at(T_open(omega_o, p.x), hole, hole_mean))
+            : T_sheet_at(omega_o, p.y, p.z * (1.0 - 0.5 * p.w), tau, p.x, hole, hole_mean);
+        evenly *= covering;
+        mirrored *= covering;
+        albedo *= covering;
+    }
+#endif
     vec4 chances = vec4(max(most(albedo), LEAST_REFLECTED), most(evenly), most(straight), mirrored);
     return Shares(straight, evenly, mirrored, chances / dot(chances, vec4(1.0)));
 }
@@ -357,6 +375,9 @@ void meet(inout Path path, Visit visit, inout Sample one) {
     }
 #endif
     Fabric fabric = fetch_fabric(max(point.cloth, 0));
+#ifdef WEAVE
+    leave_threads();
+#endif
 #ifdef PICTURES
     if (visit.triangle != GROUND) {
         if (point.cloth < 0) {
@@ -372,10 +393,23 @@ void meet(inout Path path, Visit visit, inout Sample one) {
         }
     }
 #endif
+#ifdef WEAVE
+    if (path.seen && point.cloth >= 0) {
+        if (!claims(point.cloth)) {
+            path.more = false;
+            return;
+        }
+        come_to_threads(point.cloth, int(visit.triangle), visit.weights, fabric.tint, eye_ray,
+            in_parallel ? 1.0 : visit.t / length(eye_ray));
+    }
+#endif
     if (one.cover == 0.0) {
         one.N = point.frame[2];
         one.albedo = point.cloth < 0 ? point.reflectance
             : fabric.tint * texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 4).rgb;
+#ifdef WEAVE
+        if (at_threads) one.albedo = min(seen_evenly() * texelFetch(cloth_data, CLOTH_TEXELS * point.cloth + 4).rgb, 1.0);
+#endif
         one.cover = 1.0;
     }
     vec2 chances = vec2(1.0, 0.0);
@@ -422,7 +456,12 @@ Sample sample_of(ivec2 pixel) {
     vec3 o = origin_from_pixel * at, d = ray_from_pixel * at;
     float r = sqrt(on_lens.x), turn = 2.0 * PI * on_lens.y;
     vec3 step_off = r * (cos(turn) * lens_x + sin(turn) * lens_y);
-    d = normalize(d - step_off / focus);
+    d -= step_off / focus;
+#ifdef WEAVE
+    eye_ray = d;
+    claimed = -1;
+#endif
+    d = normalize(d);
     Path path = Path(o + step_off, d, 0.0, vec3(1.0), 0.0, true, true, 0, true);
     Sample one = Sample(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
     int steps = 0;
@@ -436,7 +475,14 @@ Sample sample_of(ivec2 pixel) {
         } else {
             meet(path, visit, one);
         }
+#ifdef WEAVE
+        // What meets no woven cloth from the eye belongs to the first dispatch.
+        if (!path.seen && claimed < 0 && dispatch > 0) path.more = false;
+#endif
     } while (path.more && ++steps < STEPS);
+#ifdef WEAVE
+    if (max(claimed, 0) != dispatch) one = Sample(vec3(0.0), vec3(0.0), vec3(0.0), 0.0);
+#endif
     return one;
 }
 
