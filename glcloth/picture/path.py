@@ -216,9 +216,7 @@ class PathPictures:
             "environment_map": self._map.texture(frame.environment),
             "map_from_world": rotation_y(-scene.env_rotate),
         }
-        view = PathView(
-            frame.camera, scene.size, behind, scene.background, 24 if scene.bounce else 1, threads=near
-        )
+        view = PathView(frame.camera, scene.size, behind, scene.background, 24 if scene.bounce else 1, threads=near)
         total = samples_of(scene.spp, scene.noise)
         steps: Iterator[Progress] = tracer.steps(view, total, scene.noise, patience)
         if pace.announce:
@@ -246,6 +244,13 @@ class PathPictures:
                     unit = frame.scene.uv_scale or scale.get(lambda mesh=mesh: guessed_scale(mesh), mesh)  # type: ignore[misc]
             units.append(unit)
         return tuple(units)
+
+    def shows_hairs(self, frame: Frame) -> bool:
+        """Whether hairs may show beyond outlines of a frame's cloth."""
+        worn = zip(self._take(frame).worn, self._near(frame), strict=True)
+        return not frame.camera.aperture and any(
+            unit is not None and fabric.weave is not None and fabric.weave.fuzz > 0.0 for (_, fabric), unit in worn
+        )
 
     def pick(self, frame: Frame, x: float, y: float) -> Picked | None:
         """The cloth at a place of a frame's picture, as `picked.pick`: a ray looks, which goes through open places."""

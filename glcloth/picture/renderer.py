@@ -213,8 +213,11 @@ class Renderer:
         """Draw a prepared frame and read it back; result as for `render`."""
         self._last = frame
         self.draw(frame)
-        clean = frame.scene.method == "path" and frame.scene.denoise
-        picture = denoised(self._paths.sums()) if clean else self.target.read()
+        if frame.scene.method == "path" and frame.scene.denoise:
+            self.target.color.write(np.ascontiguousarray(denoised(self._paths.sums())[::-1], "f4"))
+            for _ in self.path_hairs(frame, self.target.framebuffer):
+                pass
+        picture = self.target.read()
         check_errors(self.ctx, f"method {frame.scene.method}")
         return picture[..., :3] if frame.scene.background else picture
 
@@ -253,7 +256,11 @@ class Renderer:
         # In parts and as previews, as the window draws, its scenes are shown by `direct`.
         if frame.scene.method == "path" and rows is None and not preview:
             self._target, self._last, self._by_path = target, frame, frame
-            yield from self._paths.steps(frame, target.framebuffer, pace)
+            for done in self._paths.steps(frame, target.framebuffer, pace):
+                yield done
+            if not frame.scene.denoise:
+                for _ in self.path_hairs(frame, target.framebuffer):
+                    yield done
             return
         self.stage.take(frame)
         self._target, self._by_path = target, None
@@ -272,7 +279,23 @@ class Renderer:
         self._check()
         check_stopped()
         self._last = self._by_path = frame
-        yield from self._paths.steps(frame, target, Pace(), patience)
+        for done in self._paths.steps(frame, target, Pace(), patience):
+            yield done
+        if not frame.scene.denoise:
+            for _ in self.path_hairs(frame, target):
+                yield done
+
+    def path_hairs(self, frame: Frame, target: moderngl.Framebuffer) -> Iterator[None]:
+        """Draw the hairs of a frame of method `path` over its finished picture in a framebuffer, in steps; denoised pictures
+        get theirs afterwards."""
+        if not self._paths.shows_hairs(frame):
+            return
+        own = self._targets.get(frame.scene.size)
+        if target is not own.framebuffer:
+            self.ctx.copy_framebuffer(own.framebuffer, target)
+        yield from self.stage.hairs_over(own, frame)
+        if target is not own.framebuffer:
+            self.ctx.copy_framebuffer(target, own.framebuffer)
 
     def draw_paths(self, target: moderngl.Framebuffer) -> None:
         """Draw the mean of the samples so far of the last `path_steps`."""

@@ -210,6 +210,17 @@ class Stage:
             part.view.resolve_bounce()
         yield from pace.pause(self.ctx)
 
+    def hairs_over(self, target: Target, frame: Frame) -> Iterator[None]:
+        """Draw a frame's hairs over a picture of it that was not drawn by its surfaces."""
+        surfaces = self.take(frame)
+        for _ in self.trace():
+            yield
+        for _ in target.draw(surfaces, frame.camera, (0.0, 0.0), target.size[1]):
+            yield
+        for cloth in self.cloths_in_frame:
+            cloth.visibility.integrate(cloth.broad)
+        self.draw_hairs(target, frame)
+
     def draw_hairs(self, target: Target, frame: Frame) -> None:
         """Draw the hairs of cloth that stand out beyond its outline over the finished picture."""
         found = []

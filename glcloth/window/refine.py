@@ -292,6 +292,8 @@ class Refiner(Slices):
             yield fresh
         if frame.scene.denoise:
             target.texture.write(np.ascontiguousarray(denoised(self.renderer.path_sums())[::-1], "f4"))
+            for _ in self.renderer.path_hairs(frame, target.framebuffer):
+                yield False
         side.show(target.texture)
         side.share = 1.0
         yield True
