@@ -17,6 +17,7 @@ from ..light.environment import rotation_y
 from ..tracing.path import PathTracer, PathView, Progress
 from ..tracing.path_world import PathWorld
 from ..tracing.shot import Shot
+from ..tracing.threads import shows_threads
 from .charts import make_charts
 from .form_factors import facing_the_room, find_openings
 from .room import Room
@@ -59,8 +60,12 @@ class CurtainPaths:
         else:
             tracer.sky.take_map(environment, rotation, suns=False)
         behind = {"environment_map": self._map.texture(environment), "map_from_world": rotation.T}
+        near = () if shot.settings.spread else tuple(
+            1.0 if shows_threads(shot, fabric, grid) else None
+            for fabric, grid in zip(shot.fabrics, shot.grids, strict=True)
+        )  # fmt: skip
         view = PathView(
-            shot.camera, shot.size, behind, True, vertices, shot.lighting.lamp, shot.settings.spread
+            shot.camera, shot.size, behind, True, vertices, shot.lighting.lamp, shot.settings.spread, near
         )  # fmt: skip
         return tracer.steps(view, samples, noise)
 

@@ -1,7 +1,7 @@
-"""Threads of woven cloth in pictures by paths: the maps of inputs/methods/weave.glsl, where a path from the eye meets cloth.   [own]
+"""Threads of woven cloth in pictures by paths: maps of inputs/methods/weave.glsl, where a path from the eye meets cloth.   [own]
 
-A program has the maps of one fabric. Where several fabrics show threads, each has a dispatch of its own for the same samples, and a
-sample belongs to that of the first such fabric that the eye meets; the others leave it after that first ray.
+A program has the maps of one fabric. Where several fabrics show threads, each has a dispatch of its own for the same samples,
+and a sample belongs to that of the first such fabric that the eye meets; the others leave it after that first ray.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from ..gpu.buffers import TextureBuffer
 from ..methods.weave_maps import WeaveMaps, far_footprint
 
 LANES = 4  # tangents in a vec4, in their order
-# Samples lie all over a pixel, which averages them; if each had the pixel's whole size threads would be blurred twice. With half its
-# side means stay within .5 % of the far cloth to 70 degrees; with a quarter the table of what yarns hide (methods/relief.py) errs by 1 %.
+# Samples lie all over a pixel, which averages them; if each had the pixel's whole size threads would be blurred twice. With
+# half its side means stay within .5 % of the far cloth to 70 degrees; with a quarter what yarns hide (methods/relief.py) errs
+# by 1 %.
 SAMPLE_SIDE = 0.5
 INCLUDE = {"inputs/picture/pixel_uv.glsl": "inputs/tracing/path_uv.glsl"}
 NONE = -1.0
