@@ -102,7 +102,8 @@ class Fuzz:
         )
         width, height = buffer.size
         at_one = camera.ortho or 2.0 * float(np.tan(np.radians(camera.fov_deg) / 2))
-        program = programs(self.ctx).draw("passes/picture/fuzz.vert", "passes/picture/fuzz.frag")
+        ink = {"PRINT": 1} if "print_map" in inputs else {}
+        program = programs(self.ctx).draw("passes/picture/fuzz.vert", "passes/picture/fuzz.frag", ink)
         program.bind(
             buffer.inputs(),
             inputs,

@@ -152,4 +152,11 @@ def test_hairs_are_those_of_direct(renderer):
     np.testing.assert_allclose(path[beyond], direct[beyond], atol=1e-5)
     without = renderer.render_frame(replace(flat, scene=flat.scene.model_copy(update={"threads": False})))
     assert without[beyond, :, 3].max() == 0.0
+    # Hairs have the colours of a print: those of a fabric dyed in it.
+    color = (1.0, 0.3, 0.1)
+    printed = Cloth(flat.mesh, fabric, Print(np.full((2, 2, 3), color, np.float32), (1.0, 1.0), False))
+    dyed = Cloth(flat.mesh, fabric.dyed(color))
+    hairs = [renderer.render_frame(replace(flat, scene=scene, cloths=(one,)))[beyond, :, :3] for one in (printed, dyed)]
+    assert direct[beyond, :, 2].sum() > 1.2 * hairs[1][..., 2].sum()
+    assert alike(*hairs)
     target.release()
