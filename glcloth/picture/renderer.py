@@ -256,11 +256,7 @@ class Renderer:
         # In parts and as previews, as the window draws, its scenes are shown by `direct`.
         if frame.scene.method == "path" and rows is None and not preview:
             self._target, self._last, self._by_path = target, frame, frame
-            for done in self._paths.steps(frame, target.framebuffer, pace):
-                yield done
-            if not frame.scene.denoise:
-                for _ in self.path_hairs(frame, target.framebuffer):
-                    yield done
+            yield from self._by_paths(frame, target.framebuffer, pace)
             return
         self.stage.take(frame)
         self._target, self._by_path = target, None
@@ -279,7 +275,14 @@ class Renderer:
         self._check()
         check_stopped()
         self._last = self._by_path = frame
-        for done in self._paths.steps(frame, target, Pace(), patience):
+        yield from self._by_paths(frame, target, Pace(), patience)
+
+    def _by_paths(
+        self, frame: Frame, target: moderngl.Framebuffer, pace: Pace, patience: Callable[[], float] | None = None
+    ) -> Iterator[tuple[int, int]]:
+        """Trace a frame, and draw its hairs where no denoiser follows."""
+        done = (0, 0)
+        for done in self._paths.steps(frame, target, pace, patience):
             yield done
         if not frame.scene.denoise:
             for _ in self.path_hairs(frame, target):
