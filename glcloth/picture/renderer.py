@@ -256,7 +256,7 @@ class Renderer:
         # In parts and as previews, as the window draws, its scenes are shown by `direct`.
         if frame.scene.method == "path" and rows is None and not preview:
             self._target, self._last, self._by_path = target, frame, frame
-            yield from self._by_paths(frame, target.framebuffer, pace)
+            yield from self._traced(frame, target.framebuffer, pace)
             return
         self.stage.take(frame)
         self._target, self._by_path = target, None
@@ -275,9 +275,9 @@ class Renderer:
         self._check()
         check_stopped()
         self._last = self._by_path = frame
-        yield from self._by_paths(frame, target, Pace(), patience)
+        yield from self._traced(frame, target, Pace(), patience)
 
-    def _by_paths(
+    def _traced(
         self, frame: Frame, target: moderngl.Framebuffer, pace: Pace, patience: Callable[[], float] | None = None
     ) -> Iterator[tuple[int, int]]:
         """Trace a frame, and draw its hairs where no denoiser follows."""

@@ -92,4 +92,5 @@ def _defines(fabric: Fabric) -> dict[str, Any]:
     groups, weave = _groups(fabric), fabric.weave
     each = " ".join(f"F({g});" for g in range(groups))
     relief = {"RELIEF": 1} if weave is not None and weave.relief else {}
-    return {"WEAVE": 1, "GROUPS": groups, "LANE_COUNT": LANES, "EACH_GROUP(F)": each, **relief}
+    plain = {"ONE_COLOR": 1} if weave is not None and weave.thread_colors is None else {}
+    return {"WEAVE": 1, "GROUPS": groups, "LANE_COUNT": LANES, "EACH_GROUP(F)": each, **relief, **plain}

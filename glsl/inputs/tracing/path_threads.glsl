@@ -5,6 +5,7 @@
 uniform samplerBuffer thread_rows;  // of each fabric: the dispatch that shows its threads (-1: none), metres in a UV unit
 uniform int dispatch;               // of those, each of another fabric, that together have all samples
 
+ivec2 reads_as;        // the pixel of 4 x 4, each of which reads other versions of the maps: here each sample of 16 does
 bool at_threads = false;
 float covering = 1.0;  // yarns of the place, over the mean
 int claimed = -1;      // the dispatch that a sample belongs to; -1: to the first
@@ -37,7 +38,7 @@ void come_to_threads(int cloth, int triangle, vec2 at, vec3 tint, vec3 d, float 
     vec2 uv = row.y * texelFetch(surface_uv, v.x).xy;
     vec2 uv_b = row.y * texelFetch(surface_uv, v.y).xy - uv, uv_c = row.y * texelFetch(surface_uv, v.z).xy - uv;
     place_of_path = uv_footprint(b, c, uv, uv_b, uv_c, vec3(1.0 - at.x - at.y, at), d, t);
-    fetch_weave(ivec2(0));
+    fetch_weave(reads_as);
     pixel_A[0] *= tint;
     pixel_A[1] *= tint;
     at_threads = true;

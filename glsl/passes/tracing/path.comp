@@ -282,7 +282,7 @@ Shares shares_of(Point point, vec3 omega_o) {
     float mirrored = R_limited(R_sheet(omega_o, p.z, p.x, q.x, q.y), straight + evenly, albedo);
 #ifdef WEAVE
     if (at_threads) {
-        float hole = hole_share(ivec2(0));
+        float hole = hole_share(reads_as);
         covering = (1.0 - hole) / max(1.0 - hole_mean, 1e-6);
         straight = spread ? vec3(p.y * open_at(T_open(omega_o, p.x), hole, hole_mean))
             : T_sheet_at(omega_o, p.y, p.z * (1.0 - 0.5 * p.w), tau, p.x, hole, hole_mean);
@@ -460,6 +460,7 @@ Sample sample_of(ivec2 pixel) {
 #ifdef WEAVE
     eye_ray = d;
     claimed = -1;
+    reads_as = ivec2(state.y, state.y >> 2u) & 3;
 #endif
     d = normalize(d);
     Path path = Path(o + step_off, d, 0.0, vec3(1.0), 0.0, true, true, 0, true);
