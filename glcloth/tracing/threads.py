@@ -94,8 +94,10 @@ class Threads:
         }
 
     def _release_maps(self) -> None:
-        for texture in (*self._maps, *([] if self._texture is None else [self._texture])):
-            texture.release()
+        if self._texture is not None:
+            self._texture.release()
+        for maps in self._maps:
+            maps.release()
         self._texture, self._maps = None, []
 
     def release(self) -> None:
