@@ -5,7 +5,7 @@ of the openings through which the sky shines in. They depend on the room's shape
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import moderngl
@@ -39,6 +39,16 @@ class Sheet:
     x_1: float
     y_1: float
     z: float
+    bent: np.ndarray | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Corners of its cells, [ny + 1, nx + 1, 3], row by row from below."""
+        if self.bent is not None:
+            return self.bent
+        nx, ny = PROXIES
+        x, y = np.linspace(self.x_0, self.x_1, nx + 1), np.linspace(self.y_0, self.y_1, ny + 1)
+        return np.stack(np.broadcast_arrays(x[None], y[:, None], self.z), -1)
 
     @property
     def rectangle(self) -> tuple[float, float, float, float]:
@@ -47,12 +57,8 @@ class Sheet:
 
     def cells(self) -> np.ndarray:
         """Corners [2 x proxies, 4, 3] of its cells, row by row from below: those of the front (+z), then of the back."""
-        nx, ny = PROXIES
-        x, y = np.linspace(self.x_0, self.x_1, nx + 1), np.linspace(self.y_0, self.y_1, ny + 1)
-        low_y, low_x = (a.ravel() for a in np.meshgrid(y[:-1], x[:-1], indexing="ij"))
-        high_y, high_x = (a.ravel() for a in np.meshgrid(y[1:], x[1:], indexing="ij"))
-        z = np.full_like(low_x, self.z)
-        front = np.stack([low_x, low_y, z, high_x, low_y, z, high_x, high_y, z, low_x, high_y, z], 1).reshape(-1, 4, 3)
+        n = self.nodes
+        front = np.stack([n[:-1, :-1], n[:-1, 1:], n[1:, 1:], n[1:, :-1]], 2).reshape(-1, 4, 3)
         return np.concatenate([front, front[:, ::-1]])
 
     def receivers(self) -> tuple[np.ndarray, np.ndarray]:
@@ -195,8 +201,8 @@ def factor_steps(
     charts = make_charts(positions, cell, material)
     low, high = positions.reshape(-1, 3).min(0).astype(float), positions.reshape(-1, 3).max(0).astype(float)
     openings = find_openings(charts, low, high, structure, ctx)
-    about = FORMAT, sheet, cell, PROXIES, AZIMUTHS_DEG
-    path = kept_path("factors", about, positions, charts.patches, openings)
+    about = FORMAT, cell, PROXIES, AZIMUTHS_DEG
+    path = kept_path("factors", about, sheet.nodes, positions, charts.patches, openings)
     senders = len(charts.patches) + len(sheet.cells()) + len(openings)
     factors = read_kept(path, (senders, len(charts.positions) + len(sheet.receivers()[0])), 1.001)
     if factors is None:
@@ -223,6 +229,7 @@ def _compute(
     senders[len(charts.patches) : len(charts.patches) + len(cells), 0, 3] = 1.0
     R, S = len(receivers), len(senders)
     given, taken, out = TextureBuffer(ctx, receivers), TextureBuffer(ctx, senders), Buffer(ctx, 4 * R * S)
+    nodes = TextureBuffer(ctx, np.concatenate([sheet.nodes, np.zeros((*sheet.nodes.shape[:2], 1))], -1).astype("f4"))
     program = programs(ctx).compute("passes/curtain/factors.comp", None, tracing(structure))
     edges = np.linspace(0, S, SLICES + 1).astype(int)
     step = max(1, PER_DISPATCH // R)
@@ -232,11 +239,11 @@ def _compute(
                 count = min(step, end - first)
                 program.run(
                     R * count, structure.inputs(), receivers=given, senders=taken, Factors=out, receiver_count=R,
-                    first=first, sender_count=count, offset=offset, sheet=sheet.rectangle, sheet_z=sheet.z,
+                    first=first, sender_count=count, offset=offset, nodes=nodes, cells=PROXIES,
                 )  # fmt: skip
                 ctx.finish()
             yield end / S
         yield np.frombuffer(out.read(4 * R * S), np.float32).reshape(S, R)
     finally:
-        for buffer in (given, taken, out):
+        for buffer in (given, taken, out, nodes):
             buffer.release()
