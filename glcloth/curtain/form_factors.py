@@ -22,7 +22,11 @@ from ..twins.random import cosine_direction
 from .charts import Charts, make_charts
 
 FORMAT, MOST_FILES = 1, 16  # of the files
-PROXIES = (12, 8)  # the curtain as a flat sheet: so many cells across and down
+# The curtain as a sheet of cells: their borders across, and up from its lower edge. They are smaller at its rim, where what it sends
+# falls off: cloth beside the window, above it and below has no lamp and less sky.
+ACROSS = np.cumsum([0, 2, 3, 3, 4, 4, 4, 4, 4, 4, 3, 3, 2]) / 40
+UP = np.cumsum([0, 5, 6, 7, 7, 6, 5, 3, 1]) / 40
+PROXIES = (len(ACROSS) - 1, len(UP) - 1)
 AZIMUTHS_DEG = (-55.0, 0.0, 55.0)  # of the sheet's normals: folds hang, so that these are all they turn to
 OPENING = 0.4  # m, the side of a cell of an opening
 LEAKS = 0.02  # the share of leaving rays that says nothing of openings
@@ -46,8 +50,7 @@ class Sheet:
         """Corners of its cells, [ny + 1, nx + 1, 3], row by row from below."""
         if self.bent is not None:
             return self.bent
-        nx, ny = PROXIES
-        x, y = np.linspace(self.x_0, self.x_1, nx + 1), np.linspace(self.y_0, self.y_1, ny + 1)
+        x, y = self.x_0 + (self.x_1 - self.x_0) * ACROSS, self.y_0 + (self.y_1 - self.y_0) * UP
         return np.stack(np.broadcast_arrays(x[None], y[:, None], self.z), -1)
 
     @property
@@ -78,13 +81,14 @@ class FormFactors:
     curtain's cells, cells of openings).
 
     charts : of the room. openings : [W, 4, 3] corners, seen from the room
-    factors : [S, R] float32; negative where the line crosses the curtain, which attenuates it
+    factors : [S, R] float32; crossing: of these, what crosses the curtain, which attenuates it
     """
 
     charts: Charts
     sheet: Sheet
     openings: np.ndarray
     factors: np.ndarray
+    crossing: np.ndarray
 
     @property
     def light_senders(self) -> int:
@@ -99,7 +103,7 @@ class FormFactors:
 
     def openness(self) -> np.ndarray:
         """The share of its hemisphere that each element sees of the room and its openings, [N]."""
-        shares = np.abs(self.factors[:, : len(self.charts.positions)])
+        shares = self.factors[:, : len(self.charts.positions)]
         P, W = len(self.charts.patches), len(self.openings)
         return shares[:P].sum(0) + shares[len(shares) - W :].sum(0)
 
@@ -204,13 +208,13 @@ def factor_steps(
     about = FORMAT, cell, PROXIES, AZIMUTHS_DEG
     path = kept_path("factors", about, sheet.nodes, positions, charts.patches, openings)
     senders = len(charts.patches) + len(sheet.cells()) + len(openings)
-    factors = read_kept(path, (senders, len(charts.positions) + len(sheet.receivers()[0])), 1.001)
+    factors = read_kept(path, (2, senders, len(charts.positions) + len(sheet.receivers()[0])), 1.001)
     if factors is None:
         for factors in _compute(ctx, charts, openings, structure, sheet, 1e-4 * float((high - low).max())):
             if isinstance(factors, float):
                 yield factors
         keep(path, factors, MOST_FILES)
-    yield FormFactors(charts, sheet, openings, factors)
+    yield FormFactors(charts, sheet, openings, *factors)
 
 
 def _compute(
@@ -228,7 +232,7 @@ def _compute(
     senders[..., :3] = np.concatenate([charts.patches, cells, openings])
     senders[len(charts.patches) : len(charts.patches) + len(cells), 0, 3] = 1.0
     R, S = len(receivers), len(senders)
-    given, taken, out = TextureBuffer(ctx, receivers), TextureBuffer(ctx, senders), Buffer(ctx, 4 * R * S)
+    given, taken, out = TextureBuffer(ctx, receivers), TextureBuffer(ctx, senders), Buffer(ctx, 8 * R * S)
     nodes = TextureBuffer(ctx, np.concatenate([sheet.nodes, np.zeros((*sheet.nodes.shape[:2], 1))], -1).astype("f4"))
     program = programs(ctx).compute("passes/curtain/factors.comp", None, tracing(structure))
     edges = np.linspace(0, S, SLICES + 1).astype(int)
@@ -243,7 +247,7 @@ def _compute(
                 )  # fmt: skip
                 ctx.finish()
             yield end / S
-        yield np.frombuffer(out.read(4 * R * S), np.float32).reshape(S, R)
+        yield np.moveaxis(np.frombuffer(out.read(8 * R * S), np.float32).reshape(S, R, 2), 2, 0).copy()
     finally:
         for buffer in (given, taken, out, nodes):
             buffer.release()

@@ -23,6 +23,7 @@ from scipy import sparse
 from ..accel.queries import RayQueries
 from ..accel.structure import Structure, make_structure
 from ..accel.triangles import Triangles
+from ..color import luminance
 from ..gpu.buffers import TextureBuffer
 from ..gpu.memo import Last
 from ..gpu.programs import programs
@@ -32,12 +33,13 @@ from ..light.suns import split_suns
 from ..tracing.shot import Shot
 from .charts import OPEN
 from .folds import Folds, HangingCloth, attenuate
-from .form_factors import AZIMUTHS_DEG, PROXIES, FormFactors, Sheet, factor_steps
+from .form_factors import ACROSS, AZIMUTHS_DEG, PROXIES, UP, FormFactors, Sheet, factor_steps
 from .layer_light import CELLS, CurtainLayers, HangingPiece
 from .room import Room
 
 LAMP_POINTS = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])  # of an element, in its sides
 CLOTH_SAMPLES = 22  # triangles of a cell of the curtain to which the lamp's rays are cast
+GRID = 40  # borders of the cells of the sheet lie at so manieth parts of it
 SKY_SIZE = (32, 64)  # the map that the sky is read from: texels as wide as a cell of an opening at least
 
 
@@ -114,6 +116,11 @@ class Radiosity:
         """The factors [S, R] of all that sends light, the curtain's cells as they send in each direction."""
         f = self.factors
         P, factors = len(f.charts.patches), f.factors[: f.light_senders].copy()
+        crossing = f.crossing[: f.light_senders]
+        # A pass takes a factor as clear or, negative, as attenuated: those of which a part crosses the curtain are attenuated before.
+        some = (crossing > 0) & (crossing < factors)
+        factors[some] -= (1.0 - float(luminance(folds.passes))) * crossing[some]
+        factors[(crossing > 0) & ~some] *= -1.0
         x, cells = f.receivers[0], f.sheet.cells().mean(1)
         for k, middle in enumerate(cells):
             d = x - middle
@@ -128,6 +135,9 @@ class Radiosity:
         self._put("chart_of", f.charts.chart_of.astype(np.uint32), "r32ui")
         self._put("texel_sources", source.astype(np.uint32), "rgba32ui")
         self._put("texel_weights", weight.astype(np.float32))
+        # In cells, at every fortieth of the sheet across, then up.
+        grid = [np.interp(np.arange(GRID + 1) / GRID, borders, np.arange(len(borders))) for borders in (ACROSS, UP)]
+        self._put("sheet_grid", np.stack(grid, 1).astype(np.float32), "rg32f")
         self._chart_texels = len(source)
         for name in ("lights", "arrived", "received", "sent", "sources"):
             self._put(name, 64)
@@ -203,11 +213,11 @@ class Radiosity:
         out = np.zeros((len(x), 3))
         if not len(f.openings):
             return out
-        seen = f.factors[f.light_senders :]
+        seen, behind = f.factors[f.light_senders :], f.crossing[f.light_senders :]
         turn = rotation_y(-shot.env_rotate)
         environment = shot.environment
         small = None if environment is None else self._small_map.get(lambda: without_suns(environment), environment)
-        for corners, F in zip(f.openings, seen, strict=True):
+        for corners, F, F_behind in zip(f.openings, seen, behind, strict=True):
             sees = np.flatnonzero(F)
             radiance = np.zeros((len(sees), 3))
             for u, v in ((0.25, 0.25), (0.75, 0.25), (0.25, 0.75), (0.75, 0.75)):
@@ -215,8 +225,9 @@ class Radiosity:
                 d = point - x[sees]
                 d /= np.maximum(np.linalg.norm(d, axis=1, keepdims=True), 1e-12)
                 L = np.array(shot.lighting.background) if small is None else equirect.lookup(small, d @ turn.T)
-                radiance += 0.25 * L * np.where((F[sees] < 0)[:, None], folds.along(d), 1.0)
-            out[sees] += np.pi * np.abs(F[sees])[:, None] * radiance
+                through = F_behind[sees, None]
+                radiance += 0.25 * L * (F[sees, None] - through + through * folds.along(d))
+            out[sees] += np.pi * radiance
         return out
 
     def _solve_system(self, folds: Folds, sky: np.ndarray) -> None:
@@ -319,6 +330,7 @@ class Radiosity:
             "sheet_texels": self._chart_texels,
             "sheet_place": (s.x_0, s.y_0, 1 / (s.x_1 - s.x_0), 1 / (s.y_1 - s.y_0)),
             "sheet_cells": PROXIES,
+            "sheet_grid": self._buffers["sheet_grid"],
             "sheet_azimuth": float(np.sin(np.radians(AZIMUTHS_DEG[-1]))),
         }
 
@@ -354,8 +366,9 @@ def _cells_of(pieces: Sequence[HangingPiece]) -> list[np.ndarray]:
     for piece in pieces:
         quad = np.arange(piece.rows * piece.columns)
         x = 0.5 + piece.shift + piece.width * (quad % piece.columns / piece.columns - 0.5)
-        across = np.clip((x * nx + 1e-9).astype(int), 0, nx - 1)
-        cells.append(np.repeat((ny - 1 - quad // piece.columns * ny // piece.rows) * nx + across, 2))
+        across = np.clip(np.searchsorted(ACROSS, x + 1e-9) - 1, 0, nx - 1)
+        up = np.clip(np.searchsorted(UP, 1 - (quad // piece.columns + 0.5) / piece.rows) - 1, 0, ny - 1)
+        cells.append(np.repeat(up * nx + across, 2))
     cell = np.concatenate(cells)
     out = []
     for k in range(nx * ny):

@@ -10,7 +10,7 @@ layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 uniform samplerBuffer receivers;  // (position, 1: of the curtain) (normal, -)
 uniform samplerBuffer senders;    // four corners, counter-clockwise from the front; (.., 1: of the curtain)
-layout(std430) writeonly buffer Factors { float factors[]; };
+layout(std430) writeonly buffer Factors { vec2 factors[]; };  // all of it, and what crosses the curtain
 uniform int receiver_count;
 uniform int first;         // of the senders
 uniform int sender_count;  // from there on
@@ -78,6 +78,7 @@ void main() {
     bool of_sheet = a.w > 0.5;
     // The curtain's sides see what lies before them; fold to fold is `folds`'s.
     bool meets = dot(x.xyz - middle, front) > 1e-6 && !(on_sheet && (of_sheet || before_sheet(middle) * n.z <= 0.0));
+    float crossing = 0.0;
     float F = meets ? quad_factor(a.xyz - x.xyz, b - x.xyz, c - x.xyz, d - x.xyz, n) : 0.0;
     if (F > 1e-5) {
         float seen = 0.0;
@@ -90,13 +91,15 @@ void main() {
             vec3 toward = (p - o) / max(way, 1e-12);
             Visit visit = Visit(way, NO_TRIANGLE, vec2(0.0));
             traverse(make_ray(o, toward, 0.0, way), visit);
-            seen += visit.triangle == NO_TRIANGLE ? 0.25 : 0.0;
+            float whole = visit.triangle == NO_TRIANGLE ? 0.25 : 0.0;
+            seen += whole;
+            crossing += !on_sheet && !of_sheet && whole > 0.0 && crosses_sheet(o, p) ? whole : 0.0;
             ++k;
         } while (k < 4);
+        crossing /= max(seen, 0.25);
         F *= seen;
     } else {
         F = 0.0;
     }
-    bool crosses = F != 0.0 && !on_sheet && !of_sheet && crosses_sheet(x.xyz, middle);
-    factors[(first + i / receiver_count) * receiver_count + r] = crosses ? -F : F;
+    factors[(first + i / receiver_count) * receiver_count + r] = vec2(F, F * crossing);
 }
