@@ -282,13 +282,27 @@ class CurtainShow:
         if self._radiosity is None:
             m, s = self.simulation.parameters, self.simulation
             rails = [pleated_rail(one.parameters, one.columns)[:, 1].mean() for one in s.pieces]
-            sheet = Sheet(-m.width / 2, m.upper - m.drop, m.width / 2, m.upper, float(np.mean(rails)))
+            sheet = Sheet(
+                -m.width / 2, m.upper - m.drop, m.width / 2, m.upper, float(np.mean(rails)), *self._spread(),
+                min(m.open, m.behind_open) if m.behind else m.open,
+            )  # fmt: skip
             grids = [
                 HangingPiece(one.rows - 1, one.columns - 1, panel.shift / m.width, panel.parameters.width / m.width)
                 for one, panel in zip(s.pieces, s.panels, strict=True)
             ]
             self._radiosity = Radiosity(self.ctx, self.room, sheet, self._hung, grids, self._each_alone())
         return self._radiosity
+
+    def _spread(self) -> tuple[float, float]:
+        """By how much the sides of a piece of cloth are further out a metre below the rail, as it hangs, and how far its folds reach
+        to either side."""
+        m, one, panel = self.simulation.parameters, self.simulation.pieces[0], self.simulation.panels[0]
+        count = self.simulation.triangle_counts[0]
+        p = self._hung.positions()[:count].reshape(one.rows - 1, -1, 3)
+        low = p[-2:, :, 0]
+        flare = (float(np.ptp(low)) - panel.parameters.width) / 2 / m.drop
+        rail = pleated_rail(panel.parameters, one.columns)[:, 1]
+        return max(flare, 0.0), float(np.ptp(rail)) / 2
 
     def _each_alone(self) -> list[Triangles]:
         """Of two curtains each, as it hangs without wind."""

@@ -1,7 +1,7 @@
 #version 430
 // Form factors from receivers to polygons: exact, times what of the polygon is visible from the receiver past the room, by
-// four rays. Cloth hides nothing here; a pair whose line crosses the curtain gets a negative factor instead, and what the
-// curtain lets through is multiplied where light is summed.
+// four rays. Cloth hides nothing here. Of the rays that see the polygon it is counted how many cross the curtain, for each of four
+// leans of it, and where; what it lets through is multiplied where light is summed.
 #include "trace/form_factor.glsl"
 #include "inputs/accel/ray.glsl"
 #include "inputs/accel/visit_any.glsl"
@@ -10,55 +10,61 @@ layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 uniform samplerBuffer receivers;  // (position, 1: of the curtain) (normal, -)
 uniform samplerBuffer senders;    // four corners, counter-clockwise from the front; (.., 1: of the curtain)
-layout(std430) writeonly buffer Factors { vec2 factors[]; };  // all of it, and what crosses the curtain
+layout(std430) writeonly buffer Factors { float factors[]; };
+layout(std430) writeonly buffer Crossings { uint crossings[]; };  // rays that see it, those that cross at each lean: 3 bits each; the column
 uniform int receiver_count;
 uniform int first;         // of the senders
 uniform int sender_count;  // from there on
 uniform float offset;      // how far off a surface rays begin and end
-uniform samplerBuffer nodes;  // of the curtain as a sheet: corners of its cells, row by row from below
-uniform ivec2 cells;
+// The curtain as a sheet, which leans by so many metres a metre below the rail.
+uniform vec4 panels;       // from where to where its pieces hang on the rail, x; one piece has twice the same
+uniform vec2 height;       // y of its hem and of the rail
+uniform float sheet_z;     // at the rail
+uniform float flare;       // each side is as much further out a metre below it
+uniform float depth;       // its folds reach as far to either side
+uniform vec4 leans;
+uniform int lean_of_sheet; // which of these senders that are cells of the curtain have
+uniform float columns[COLUMNS + 1];  // borders of its cells on the rail, x
 
 const vec2 POINTS[4] = vec2[4](vec2(0.125, 0.375), vec2(0.375, 0.875), vec2(0.625, 0.125), vec2(0.875, 0.625));
 
-vec3 node(ivec2 i) { return texelFetch(nodes, i.y * (cells.x + 1) + i.x).xyz; }
+// How far a place lies before the leaning sheet, and beyond a side of a piece.
+float before(vec3 p, float lean) { return p.z - sheet_z - lean * (height.y - p.y); }
 
-// Where on the sheet a place is seen along z, in cells (beyond its rim: from -1 to 1 cell more), and its z there.
-vec3 on_sheet_at(vec2 p) {
-    float y_0 = node(ivec2(0)).y, y_1 = node(ivec2(0, cells.y)).y;
-    float v = clamp((p.y - y_0) / (y_1 - y_0) * float(cells.y), -1.0, float(cells.y) + 1.0);
-    int j = clamp(int(floor(v)), 0, cells.y - 1);
-    float g = clamp(v - float(j), 0.0, 1.0);
-    int i = 0;
-    vec3 left = mix(node(ivec2(0, j)), node(ivec2(0, j + 1)), g), right = mix(node(ivec2(1, j)), node(ivec2(1, j + 1)), g);
-    while (i < cells.x - 1 && p.x > right.x) {
-        ++i;
-        left = right;
-        right = mix(node(ivec2(i + 1, j)), node(ivec2(i + 1, j + 1)), g);
-    }
-    float f = (p.x - left.x) / (right.x - left.x);
-    return vec3(float(i) + f, v, mix(left.z, right.z, clamp(f, 0.0, 1.0)));
+float beyond(vec3 p, vec2 piece, float side) {
+    return side * (p.x - 0.5 * (piece.x + piece.y)) - 0.5 * (piece.y - piece.x) - flare * (height.y - p.y);
 }
 
-float before_sheet(vec3 p) { return p.z - on_sheet_at(p.xy).z; }
+bool hangs_at(vec3 p) { return p.y > height.x && p.y < height.y; }
 
-// Whether the way from a to b goes through the sheet.
-bool crosses_sheet(vec3 a, vec3 b) {
-    float f_a = before_sheet(a), f_b = before_sheet(b);
-    if (f_a * f_b >= 0.0) return false;
-    float low = 0.0, high = 1.0, t = 0.5;
-    for (int k = 0; k < 4; ++k) {
-        t = low + (high - low) * clamp(f_a / (f_a - f_b), 0.05, 0.95);
-        float f = before_sheet(mix(a, b, t));
-        if (f * f_a > 0.0) {
-            low = t;
-            f_a = f;
-        } else {
-            high = t;
-            f_b = f;
-        }
+// Whether the way from a to b meets the outermost folds at the sides of a piece, which close the gap to the wall.
+bool meets_side(vec3 a, vec3 b, vec2 piece, float lean) {
+    bool met = false;
+    for (int k = 0; k < 2; ++k) {
+        float side = k == 0 ? -1.0 : 1.0;
+        float g_a = beyond(a, piece, side), g_b = beyond(b, piece, side);
+        vec3 p = mix(a, b, g_a != g_b ? g_a / (g_a - g_b) : 0.0);
+        met = met || (g_a * g_b < 0.0 && hangs_at(p) && abs(before(p, lean)) < depth);
     }
-    vec2 at = on_sheet_at(mix(a, b, t).xy).xy;
-    return at.x > 0.0 && at.x < float(cells.x) && at.y > 0.0 && at.y < float(cells.y);
+    return met;
+}
+
+// Whether it goes through the sheet; p: where.
+bool goes_through(vec3 a, vec3 b, float lean, out vec3 p) {
+    float f_a = before(a, lean), f_b = before(b, lean);
+    p = mix(a, b, f_a != f_b ? f_a / (f_a - f_b) : 0.0);
+    bool on = max(beyond(p, panels.xy, -1.0), beyond(p, panels.xy, 1.0)) < 0.0 || max(beyond(p, panels.zw, -1.0), beyond(p, panels.zw, 1.0)) < 0.0;
+    return f_a * f_b < 0.0 && hangs_at(p) && on;
+}
+
+bool meets_sides(vec3 a, vec3 b, float lean) { return meets_side(a, b, panels.xy, lean) || meets_side(a, b, panels.zw, lean); }
+
+int column_of(vec3 p) {
+    float middle = 0.5 * (columns[0] + columns[COLUMNS]), reach = 0.5 * (columns[COLUMNS] - columns[0]);
+    float x = middle + (p.x - middle) * reach / (reach + flare * max(height.y - p.y, 0.0));
+    int k = 0;
+    for (int i = 1; i < COLUMNS; ++i) k += x > columns[i] ? 1 : 0;
+    return k;
 }
 
 void main() {
@@ -77,11 +83,12 @@ void main() {
     bool on_sheet = x.w > 0.5;
     bool of_sheet = a.w > 0.5;
     // The curtain's sides see what lies before them; fold to fold is `folds`'s.
-    bool meets = dot(x.xyz - middle, front) > 1e-6 && !(on_sheet && (of_sheet || before_sheet(middle) * n.z <= 0.0));
-    float crossing = 0.0;
+    bool meets = dot(x.xyz - middle, front) > 1e-6 && !(on_sheet && (of_sheet || before(middle, 0.0) * n.z <= 0.0));
+    uint seen_by = 0u;
+    uvec4 crossing = uvec4(0u);
+    uint column = 0u;
     float F = meets ? quad_factor(a.xyz - x.xyz, b - x.xyz, c - x.xyz, d - x.xyz, n) : 0.0;
     if (F > 1e-5) {
-        float seen = 0.0;
         int k = 0;
         do {
             vec2 u = POINTS[k];
@@ -91,15 +98,25 @@ void main() {
             vec3 toward = (p - o) / max(way, 1e-12);
             Visit visit = Visit(way, NO_TRIANGLE, vec2(0.0));
             traverse(make_ray(o, toward, 0.0, way), visit);
-            float whole = visit.triangle == NO_TRIANGLE ? 0.25 : 0.0;
-            seen += whole;
-            crossing += !on_sheet && !of_sheet && whole > 0.0 && crosses_sheet(o, p) ? whole : 0.0;
+            bool sees = visit.triangle == NO_TRIANGLE;
+            // Cells of the curtain that are seen past its sides only are not.
+            if (of_sheet) sees = sees && !meets_sides(o, p, leans[lean_of_sheet]);
+            seen_by += sees ? 1u : 0u;
+            if (sees && !on_sheet && !of_sheet) {
+                for (int l = 0; l < 4; ++l) {
+                    vec3 at;
+                    bool through = goes_through(o, p, leans[l], at);
+                    if (through && column == 0u) column = uint(column_of(at));
+                    crossing[l] += through || meets_sides(o, p, leans[l]) ? 1u : 0u;
+                }
+            }
             ++k;
         } while (k < 4);
-        crossing /= max(seen, 0.25);
-        F *= seen;
+        F *= 0.25 * float(seen_by);
     } else {
         F = 0.0;
     }
-    factors[(first + i / receiver_count) * receiver_count + r] = vec2(F, F * crossing);
+    int out_at = (first + i / receiver_count) * receiver_count + r;
+    factors[out_at] = F;
+    crossings[out_at] = seen_by | crossing.x << 3 | crossing.y << 6 | crossing.z << 9 | crossing.w << 12 | column << 15;
 }
