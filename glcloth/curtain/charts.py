@@ -207,12 +207,7 @@ def _divided(shapes: list, chart_of: np.ndarray, side: float, rims: np.ndarray) 
 def _whole(a: np.ndarray, u: np.ndarray, v: np.ndarray, side: float, rims: np.ndarray) -> tuple:
     """Cells (nu, nv); in units of u and v the elements' middles [N, 2], their share of a cell [N], their patches [N], and the
     corners of patches [P, 4, 2]; of a parallelogram."""
-    nu, nv = (max(1, round(float(np.linalg.norm(w)) / side)) for w in (u, v))
-    # Borders of patches are borders of elements.
-    x, y = (
-        _borders(n, float(np.linalg.norm(w)), side, _near(a, w, other, rims))
-        for n, w, other in ((nu, u, v), (nv, v, u))
-    )
+    (nu, x), (nv, y) = (_cut(float(np.linalg.norm(w)), side, _near(a, w, other, rims)) for w, other in ((u, v), (v, u)))
     j, i = (a.ravel() for a in np.meshgrid(np.arange(nv), np.arange(nu), indexing="ij"))
     patch = (np.searchsorted(y, j, "right") - 1) * (len(x) - 1) + np.searchsorted(x, i, "right") - 1
     x, y = x / nu, y / nv
@@ -223,14 +218,18 @@ def _whole(a: np.ndarray, u: np.ndarray, v: np.ndarray, side: float, rims: np.nd
     return (nu, nv), middles, np.ones(len(i)), patch, corners
 
 
-def _borders(n: int, length: float, side: float, near: list[tuple[float, float]]) -> np.ndarray:
-    """Where patches begin and end among n elements along `length`; within intervals of it each element is one."""
+def _cut(length: float, side: float, near: list[tuple[float, float]]) -> tuple[int, np.ndarray]:
+    """How many elements lie along a length, and where patches of them begin and end. Within the intervals `near` a patch is one
+    element long; where these are most of the length, elements are half as long, two to a patch."""
+    n = max(1, round(length / side))
     N = min(n, max(1, round(length / (PATCH * side))))
     here = np.arange(n + 1) * length / n
     fine = np.zeros(n + 1, bool)
     for low, high in near:
         fine |= (here > low) & (here < high)
-    return np.unique(np.concatenate([-(-np.arange(N + 1) * n // N), np.flatnonzero(fine)]))
+    # Borders of patches are borders of elements.
+    borders = np.unique(np.concatenate([-(-np.arange(N + 1) * n // N), np.flatnonzero(fine)]))
+    return (2 * n, 2 * borders) if n > 1 and fine.sum() > 0.5 * n else (n, borders)
 
 
 def _near(a: np.ndarray, along: np.ndarray, across: np.ndarray, rims: np.ndarray) -> list[tuple[float, float]]:

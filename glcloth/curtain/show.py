@@ -41,6 +41,7 @@ CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
 PHOTON_STRUCTURE = "kdtree"  # of photons where rays are traced through one that takes several dispatches
 VIEWS = ("front", "three-quarter", "close")  # walls hide it from the others
+SIDES = 0.3  # of the depth of folds, how far the last ones close the gap beside a curtain
 VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
 
 
@@ -302,7 +303,7 @@ class CurtainShow:
         low = p[-2:, :, 0]
         flare = (float(np.ptp(low)) - panel.parameters.width) / 2 / m.drop
         rail = pleated_rail(panel.parameters, one.columns)[:, 1]
-        return max(flare, 0.0), float(np.ptp(rail)) / 2
+        return max(flare, 0.0), SIDES * float(np.ptp(rail)) / 2
 
     def _each_alone(self) -> list[Triangles]:
         """Of two curtains each, as it hangs without wind."""
