@@ -145,14 +145,24 @@ def make_charts(
         charts = _divided(shapes, chart_of, side, np.zeros((0, 2, 3)) if rims is None else rims)
         if len(charts.positions) * len(charts.patches) <= MOST and len(charts.patches) <= MOST_PATCHES:
             return charts
-        # A part is one patch at least.
-        most = min(int(MOST**0.5), MOST_PATCHES)
-        if len(shapes) > most:
+        if len(shapes) > most_parts():
             raise InputError(
                 f"room: {len(positions)} triangles in {len(shapes)} parts, too many for --gi radiosity (at most "
-                f"{most}); simplify it, or take --gi photons or off"
+                f"{most_parts()}); simplify it, or take --gi photons or off"
             )
         side *= 1.25
+
+
+def most_parts() -> int:
+    """How many parts of a room can be lit: each is one element and one patch at least."""
+    return min(int(MOST**0.5), MOST_PATCHES)
+
+
+def parts_of(positions: np.ndarray, material: np.ndarray | int = 0) -> int:
+    """How many parts triangles [T, 3, 3] of materials [T] make; their number where that is no more than can be lit."""
+    if len(positions) <= most_parts():
+        return len(positions)
+    return len(_parallelograms(np.asarray(positions, float), np.broadcast_to(material, len(positions)))[0])
 
 
 def _parallelograms(positions: np.ndarray, material: np.ndarray) -> tuple[list, np.ndarray]:

@@ -21,7 +21,7 @@ from ..gpu.memo import Last
 from ..light.environment import Environment, load_environment, rotation_y
 from ..light.lights import Suns
 from ..light.suns import split_suns
-from ..progress import track
+from ..progress import track, warn
 from ..scene import CurtainParameters, Scene
 from ..tracing.denoise import check_denoiser, denoised
 from ..tracing.lamp import Lamp, Lighting
@@ -29,6 +29,7 @@ from ..tracing.path import PathSums, followed, samples_of
 from ..tracing.shot import MOST_SPP, HangingGrid, Shot, TraceSettings
 from ..tracing.tracer import Tracer
 from ..tracing.tree_view import TreeContent, draw_tree
+from .charts import most_parts, parts_of
 from .curtains import BEHIND, FRONT, Curtains
 from .form_factors import SLICES, Sheet
 from .hanging import pleated_rail
@@ -96,6 +97,8 @@ class CurtainShow:
             raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
         self.room: Room = load_room(scene.room) if scene.room else with_rod(load_room(ROOM), parameters)
         self._room = scene.room, _changed_at(scene.room)
+        self._too_many_parts = parts_of(self.room.positions, self.room.material) > most_parts()
+        self.scene = self._as_it_can_be_lit(scene)
         if triangles is not None:
             if parameters.open or parameters.behind:
                 raise InputError("--triangles: of a curtain of one piece; leave open and behind out")
@@ -176,8 +179,18 @@ class CurtainShow:
             self.environment = environment
         elif any(getattr(scene, name) != getattr(here, name) for name in ("env", "layer", "env_layout")):
             self.environment = load_environment(scene.env, scene.layer, scene.env_layout)
-        self.scene, self.fabric, self.behind, self._lit_frame = scene, fabric, behind, -1
+        self.scene, self.fabric, self.behind, self._lit_frame = self._as_it_can_be_lit(scene), fabric, behind, -1
         return True
+
+    def _as_it_can_be_lit(self, scene: Scene) -> Scene:
+        """A scene that does not say how the room is lit has even light where its room has more parts than radiosity takes."""
+        if not self._too_many_parts or scene.method == "path" or scene.gi != "radiosity" or "gi" in scene.model_fields_set:
+            return scene
+        warn(
+            f"{scene.room}: {parts_of(self.room.positions, self.room.material)} parts, more than --gi radiosity takes "
+            f"({most_parts()}): even light instead; simplify it, or take --gi photons"
+        )
+        return scene.changed(gi="off")
 
     def goes_on_to(self, scene: Scene) -> bool:
         """Whether the frame of another scene is one of those that come: the same cloth in the same room and wind."""
@@ -345,7 +358,7 @@ class CurtainShow:
 
         other : as another scene says
         """
-        scene = other or self.scene
+        scene = self.scene if other is None else self._as_it_can_be_lit(other)
         if scene.gi == "off":
             return shot
         split = dataclasses.replace(
