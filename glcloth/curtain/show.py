@@ -42,7 +42,7 @@ CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
 PHOTON_STRUCTURE = "kdtree"  # of photons where rays are traced through one that takes several dispatches
 VIEWS = ("front", "three-quarter", "close")  # walls hide it from the others
-SIDES = 0.3  # of the depth of folds, how far the last ones close the gap beside a curtain
+SIDES, TWO_SIDES = 0.3, 1.0  # of the depth of folds, how far the last ones close the gap beside a curtain, and beside two
 VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
 
 
@@ -295,7 +295,9 @@ class CurtainShow:
         """The light around the room, made at first use."""
         if self._radiosity is None:
             m, s = self.simulation.parameters, self.simulation
-            rails = [pleated_rail(one.parameters, one.columns)[:, 1].mean() for one in s.pieces]
+            # Of two curtains, the one behind says what light gets round both.
+            nearest = s.pieces_of(BEHIND) or s.pieces
+            rails = [pleated_rail(one.parameters, one.columns)[:, 1].mean() for one in nearest]
             sheet = Sheet(
                 -m.width / 2, m.upper - m.drop, m.width / 2, m.upper, float(np.mean(rails)), *self._spread(),
                 min(m.open, m.behind_open) if m.behind else m.open,
@@ -316,7 +318,7 @@ class CurtainShow:
         low = p[-2:, :, 0]
         flare = (float(np.ptp(low)) - panel.parameters.width) / 2 / m.drop
         rail = pleated_rail(panel.parameters, one.columns)[:, 1]
-        return max(flare, 0.0), SIDES * float(np.ptp(rail)) / 2
+        return max(flare, 0.0), (TWO_SIDES if self.simulation.has_behind else SIDES) * float(np.ptp(rail)) / 2
 
     def _each_alone(self) -> list[Triangles]:
         """Of two curtains each, as it hangs without wind."""
