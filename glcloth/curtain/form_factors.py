@@ -22,14 +22,19 @@ from ..twins.random import cosine_direction
 from .charts import Charts, make_charts
 
 FORMAT, MOST_FILES = 2, 16  # of the files
-# Borders of the cells of the curtain as a sheet, in fortieths of it: across (of one piece, and of a pair and the gap between), and up
-# from its lower edge. They are smaller at its rim, where what it sends falls off: cloth beside the window has no lamp and less sky.
+# Borders of the cells of the curtain as a sheet, in shares of it: across, across a piece of a pair, and up from its lower edge.
+# They are smaller at its rim, where what it sends falls off: cloth beside the window has no lamp and less sky.
 ACROSS = np.cumsum([0, 2, 3, 3, 4, 4, 4, 4, 4, 4, 3, 3, 2]) / 40
 OF_A_PIECE = np.cumsum([0, 5, 9, 11, 9, 6]) / 40
 UP = np.cumsum([0, 5, 6, 7, 7, 6, 5, 3, 1]) / 40
 PROXIES = (len(ACROSS) - 1, len(UP) - 1)
 CELLS = PROXIES[0] * PROXIES[1]
-LEANS = (0.0, 0.1, 0.25, 0.5)  # by how much the sheet is further into the room a metre below its rail, where factors are known
+LEANS = (
+    0.0,
+    0.1,
+    0.25,
+    0.5,
+)  # by how much the sheet is further into the room a metre below its rail, where factors are known
 AZIMUTHS_DEG = (-55.0, 0.0, 55.0)  # of the sheet's normals: folds hang, so that these are all they turn to
 OPENING = 0.4  # m, the side of a cell of an opening
 LEAKS = 0.02  # the share of leaving rays that says nothing of openings
@@ -291,10 +296,15 @@ def _compute(
     x, n = sheet.receivers()
     N, P = len(charts.positions), len(charts.patches)
     receivers = np.zeros((N + len(x), 2, 4), np.float32)
-    receivers[:, 0, :3], receivers[:, 1, :3] = np.concatenate([charts.positions, x]), np.concatenate([charts.normals, n])
+    receivers[:, 0, :3], receivers[:, 1, :3] = (
+        np.concatenate([charts.positions, x]),
+        np.concatenate([charts.normals, n]),
+    )
     receivers[N:, 0, 3] = 1.0
     # The room's elements alone see the sheet lean.
-    jobs = [(len(receivers), P, [charts.patches, sheet.cells(), openings])] + [(N, 0, [sheet.cells(l)]) for l in LEANS[1:]]
+    jobs = [(len(receivers), P, [charts.patches, sheet.cells(), openings])] + [
+        (N, 0, [sheet.cells(l)]) for l in LEANS[1:]
+    ]
     whole = sum(count * sum(map(len, senders)) for count, _, senders in jobs)
     program = programs(ctx).compute("passes/curtain/factors.comp", {"COLUMNS": PROXIES[0]}, tracing(structure))
     given, out, done = TextureBuffer(ctx, receivers), [], 0

@@ -2,7 +2,8 @@
 
 Fine elements receive, coarse patches send (substructuring, Cohen 1986). The lamp itself stays with the tracer, point by
 point; here is what is smooth: the sky through the openings, what the curtain scatters, and all bounces. Nothing depends
-on earlier frames.   [Goral 1984; Cohen, Greenberg, Immel, Brock 1986, "An efficient radiosity approach"]
+on earlier frames. Each column of the curtain leans by itself: factors are known for four leans, and interpolated.
+[Goral 1984; Cohen, Greenberg, Immel, Brock 1986, "An efficient radiosity approach"]
 
     B = S + K B,  S = what senders send of the lamp and the sky,  E = E_sky + F B
 
@@ -129,7 +130,7 @@ class Radiosity:
 
     def _profile(self, folds: Folds, x: np.ndarray, lean: float) -> np.ndarray:
         """How much more than on average the curtain's cells send to places x [R, 3] as it leans: [2 cells, R]."""
-        turn = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, -lean], [0.0, lean, 1.0]]) / np.array([[1.0], [np.hypot(1.0, lean)]])[[0, 1, 1]]
+        turn = np.array([[np.hypot(1.0, lean), 0.0, 0.0], [0.0, 1.0, -lean], [0.0, lean, 1.0]]) / np.hypot(1.0, lean)
         out = []
         for k, middle in enumerate(self.factors.sheet.cells(lean).mean(1)):
             d = (x - middle) @ turn.T
@@ -195,7 +196,9 @@ class Radiosity:
         self._put("texel_sources", source.astype(np.uint32), "rgba32ui")
         self._put("texel_weights", weight.astype(np.float32))
         # In cells, at every fortieth of the sheet across, then up.
-        grid = [np.interp(np.arange(GRID + 1) / GRID, borders, np.arange(len(borders))) for borders in (f.sheet.across, UP)]
+        grid = [
+            np.interp(np.arange(GRID + 1) / GRID, borders, np.arange(len(borders))) for borders in (f.sheet.across, UP)
+        ]
         self._put("sheet_grid", np.stack(grid, 1).astype(np.float32), "rg32f")
         self._chart_texels = len(source)
         for name in ("lights", "arrived", "received", "sent", "sources", "leans", "leaning"):
@@ -291,7 +294,7 @@ class Radiosity:
                 d = point - x[sees]
                 d /= np.maximum(np.linalg.norm(d, axis=1, keepdims=True), 1e-12)
                 L = np.array(shot.lighting.background) if small is None else equirect.lookup(small, d @ turn.T)
-                radiance += (0.25 * L * (1 - through.swapaxes(0, 1)) + 0.25 * L * folds.along(d) * through.swapaxes(0, 1)).swapaxes(0, 1)
+                radiance += 0.25 * (L[..., None, :] * (1.0 - through) + (L * folds.along(d))[:, None] * through)
             out[sees] += np.pi * F[sees, None, None] * radiance
         return out
 
@@ -374,6 +377,21 @@ class Radiosity:
         passes.compute("passes/curtain/bounces.comp").run(
             S, bounces=b["bounces"], sources=b["sources"], Sent=b["sent"], sender_count=S
         )
+        self._gather(folds)
+        texels = self._chart_texels + 6 * CELLS
+        passes.compute("passes/curtain/light_texels.comp").run(
+            texels, folds.seen(), received=b["received"], sources=b["sources"], sky=b["sky"], texel_sources=b["texel_sources"],
+            texel_weights=b["texel_weights"], Texels=b["light_texels"], chart_texels=self._chart_texels, texel_count=texels,
+            first_receiver=N, first_cell=P, cell_count=CELLS,
+        )  # fmt: skip
+        if self._layers is not None:
+            self._layers.light(b, self._chart_texels, N, S)
+        return self.inputs()
+
+    def _gather(self, folds: Folds) -> None:
+        """What all receivers get, as the curtain leans now."""
+        f, b, passes = self.factors, self._buffers, programs(self.ctx)
+        S, R, N, P = f.light_senders, f.factors.shape[1], len(f.charts.positions), len(f.charts.patches)
         b["leans"].reserve(16 * (PROXIES[0] + 1))
         passes.compute("passes/curtain/lean.comp").run(
             PROXIES[0] + 1, points=b["points"], hanging=b["hanging"], hung=b["hung"], columns=b["hung_columns"], Leans=b["leans"],
@@ -385,23 +403,14 @@ class Radiosity:
         )  # fmt: skip
         through = tuple(map(float, folds.passes))
         passes.compute("passes/curtain/gather_light.comp").run(
-            -(-R // 4), factors=b["factors"], sent=b["leaning"], sky_light=b["sky_light"], leans=b["leans"], Received=b["received"],
-            receiver_count=R, sender_count=P, passes=through, mean_lean=PROXIES[0],
+            -(-R // 4), factors=b["factors"], sent=b["leaning"], sky_light=b["sky_light"], leans=b["leans"],
+            Received=b["received"], receiver_count=R, sender_count=P, passes=through, mean_lean=PROXIES[0],
         )  # fmt: skip
         passes.compute("passes/curtain/leaning_light.comp").run(
             -(-N // 4), cells=b["leaning_cells"], leans=b["leans"], sent=b["leaning"], lists=b["crossing_lists"],
             crossing=b["crossing_entries"], Received=b["received"], element_count=N, patch_count=P, cell_count=CELLS,
             across=PROXIES[0], passes=through,
         )  # fmt: skip
-        texels = self._chart_texels + 6 * CELLS
-        passes.compute("passes/curtain/light_texels.comp").run(
-            texels, folds.seen(), received=b["received"], sources=b["sources"], sky=b["sky"], texel_sources=b["texel_sources"],
-            texel_weights=b["texel_weights"], Texels=b["light_texels"], chart_texels=self._chart_texels, texel_count=texels,
-            first_receiver=N, first_cell=P, cell_count=CELLS,
-        )  # fmt: skip
-        if self._layers is not None:
-            self._layers.light(b, self._chart_texels, N, S)
-        return self.inputs()
 
     def inputs(self) -> dict[str, Any]:
         """The inputs of inputs/tracing/indirect.glsl, as the last frame left them."""

@@ -42,7 +42,10 @@ CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
 PHOTON_STRUCTURE = "kdtree"  # of photons where rays are traced through one that takes several dispatches
 VIEWS = ("front", "three-quarter", "close")  # walls hide it from the others
-SIDES, TWO_SIDES = 0.3, 1.0  # of the depth of folds, how far the last ones close the gap beside a curtain, and beside two
+SIDES, TWO_SIDES = (
+    0.3,
+    1.0,
+)  # of the depth of folds, how far the last ones close the gap beside a curtain, and beside two
 VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
 
 
@@ -184,7 +187,12 @@ class CurtainShow:
 
     def _as_it_can_be_lit(self, scene: Scene) -> Scene:
         """A scene that does not say how the room is lit has even light where its room has more parts than radiosity takes."""
-        if not self._too_many_parts or scene.method == "path" or scene.gi != "radiosity" or "gi" in scene.model_fields_set:
+        if (
+            not self._too_many_parts
+            or scene.method == "path"
+            or scene.gi != "radiosity"
+            or "gi" in scene.model_fields_set
+        ):
             return scene
         warn(
             f"{scene.room}: {parts_of(self.room.positions, self.room.material)} parts, more than --gi radiosity takes "
@@ -310,8 +318,8 @@ class CurtainShow:
         return self._radiosity
 
     def _spread(self) -> tuple[float, float]:
-        """By how much the sides of a piece of cloth are further out a metre below the rail, as it hangs, and how far its folds reach
-        to either side."""
+        """By how much the sides of a piece of cloth are further out a metre below the rail, as it hangs, and how far its last
+        folds close the gap to the wall."""
         m, one, panel = self.simulation.parameters, self.simulation.pieces[0], self.simulation.panels[0]
         count = self.simulation.triangle_counts[0]
         p = self._hung.positions()[:count].reshape(one.rows - 1, -1, 3)
