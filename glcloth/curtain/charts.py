@@ -18,6 +18,8 @@ from ..errors import InputError
 
 CELL = 0.15  # m, the side of an element
 PATCH = 3.3  # sides of an element: the side of a patch
+RIM_REACH = 0.35  # m: patches as near to a rim of the curtain are narrow across it
+RIM_LENGTH = 0.5  # m: along which it is as near
 ELEMENTS = 5000.0  # about so many of them in a room, however large
 MOST = 32_000_000  # elements times patches: their factors take four bytes each
 MOST_PATCHES = 4000  # what each sends to each is solved for: a matrix as large as their square
@@ -122,11 +124,14 @@ class Charts:
         return start + j * nu - j * (j - 1) // 2 + i
 
 
-def make_charts(positions: np.ndarray, cell: float | None = None, material: np.ndarray | int = 0) -> Charts:
+def make_charts(
+    positions: np.ndarray, cell: float | None = None, material: np.ndarray | int = 0, rims: np.ndarray | None = None
+) -> Charts:
     """The charts of triangles [T, 3, 3], their fronts in front.
 
     cell : m, the side of an element; default: 0.15, or more in large rooms and rooms of very many parts
     material : [T] int, or one for all: a chart has one
+    rims : [E, 2, 3] the ends of a curtain's rims: light falls off across them, so patches near them are narrow
 
     Raises InputError for more triangles than can be lit, and where none has an area.
     """
@@ -137,17 +142,27 @@ def make_charts(positions: np.ndarray, cell: float | None = None, material: np.n
     area = sum(np.linalg.norm(np.cross(u, v)) * (0.5 if half else 1.0) for _, u, v, half, _ in shapes)
     side = cell or max(CELL, (area / ELEMENTS) ** 0.5)
     while True:
-        charts = _divided(shapes, chart_of, side)
+        charts = _divided(shapes, chart_of, side, np.zeros((0, 2, 3)) if rims is None else rims)
         if len(charts.positions) * len(charts.patches) <= MOST and len(charts.patches) <= MOST_PATCHES:
             return charts
-        # A part is one patch at least.
-        most = min(int(MOST**0.5), MOST_PATCHES)
-        if len(shapes) > most:
+        if len(shapes) > most_parts():
             raise InputError(
                 f"room: {len(positions)} triangles in {len(shapes)} parts, too many for --gi radiosity (at most "
-                f"{most}); simplify it, or take --gi photons or off"
+                f"{most_parts()}); simplify it, or take --gi photons or off"
             )
         side *= 1.25
+
+
+def most_parts() -> int:
+    """How many parts of a room can be lit: each is one element and one patch at least."""
+    return min(int(MOST**0.5), MOST_PATCHES)
+
+
+def parts_of(positions: np.ndarray, material: np.ndarray | int = 0) -> int:
+    """How many parts triangles [T, 3, 3] of materials [T] make; their number where that is no more than can be lit."""
+    if len(positions) <= most_parts():
+        return len(positions)
+    return len(_parallelograms(np.asarray(positions, float), np.broadcast_to(material, len(positions)))[0])
 
 
 def _parallelograms(positions: np.ndarray, material: np.ndarray) -> tuple[list, np.ndarray]:
@@ -169,10 +184,12 @@ def _parallelograms(positions: np.ndarray, material: np.ndarray) -> tuple[list, 
     return shapes, chart_of
 
 
-def _divided(shapes: list, chart_of: np.ndarray, side: float) -> Charts:
+def _divided(shapes: list, chart_of: np.ndarray, side: float, rims: np.ndarray) -> Charts:
     """Cut each chart into elements and patches."""
-    parts = [(_half if half else _whole)(np.linalg.norm(u), np.linalg.norm(v), np.linalg.norm(v - u), side)
-             for _, u, v, half, _ in shapes]  # fmt: skip
+    parts = [
+        _half(*(float(np.linalg.norm(w)) for w in (u, v, v - u)), side) if half else _whole(a, u, v, side, rims)
+        for a, u, v, half, _ in shapes
+    ]
     columns: dict[str, list] = {name: [] for name in ("X", "N", "U", "V", "area", "patch", "chart")}
     patches, patch_triangle = [], []
     for k, ((a, u, v, _, triangle), (cells, middles, share, patch, corners)) in enumerate(
@@ -197,20 +214,49 @@ def _divided(shapes: list, chart_of: np.ndarray, side: float) -> Charts:
     )  # fmt: skip
 
 
-def _whole(across: float, up: float, _: float, side: float) -> tuple:
+def _whole(a: np.ndarray, u: np.ndarray, v: np.ndarray, side: float, rims: np.ndarray) -> tuple:
     """Cells (nu, nv); in units of u and v the elements' middles [N, 2], their share of a cell [N], their patches [N], and the
     corners of patches [P, 4, 2]; of a parallelogram."""
-    nu, nv = max(1, round(across / side)), max(1, round(up / side))
-    Nu, Nv = (min(n, max(1, round(length / (PATCH * side)))) for n, length in ((nu, across), (nv, up)))
+    (nu, x), (nv, y) = (_cut(float(np.linalg.norm(w)), side, _near(a, w, other, rims)) for w, other in ((u, v), (v, u)))
     j, i = (a.ravel() for a in np.meshgrid(np.arange(nv), np.arange(nu), indexing="ij"))
-    patch = (j * Nv // nv) * Nu + i * Nu // nu
-    # Borders of patches are borders of elements.
-    x, y = (-(-np.arange(N + 1) * n // N) / n for N, n in ((Nu, nu), (Nv, nv)))
+    patch = (np.searchsorted(y, j, "right") - 1) * (len(x) - 1) + np.searchsorted(x, i, "right") - 1
+    x, y = x / nu, y / nv
     low_y, low_x = (a.ravel() for a in np.meshgrid(y[:-1], x[:-1], indexing="ij"))
     high_y, high_x = (a.ravel() for a in np.meshgrid(y[1:], x[1:], indexing="ij"))
     corners = np.stack([low_x, low_y, high_x, low_y, high_x, high_y, low_x, high_y], 1).reshape(-1, 4, 2)
     middles = np.stack([(i + 0.5) / nu, (j + 0.5) / nv], 1)
     return (nu, nv), middles, np.ones(len(i)), patch, corners
+
+
+def _cut(length: float, side: float, near: list[tuple[float, float]]) -> tuple[int, np.ndarray]:
+    """How many elements lie along a length, and where patches of them begin and end. Within the intervals `near` a patch is one
+    element long; where these are most of the length, elements are half as long, two to a patch."""
+    n = max(1, round(length / side))
+    N = min(n, max(1, round(length / (PATCH * side))))
+    here = np.arange(n + 1) * length / n
+    fine = np.zeros(n + 1, bool)
+    for low, high in near:
+        fine |= (here > low) & (here < high)
+    # Borders of patches are borders of elements.
+    borders = np.unique(np.concatenate([-(-np.arange(N + 1) * n // N), np.flatnonzero(fine)]))
+    return (2 * n, 2 * borders) if n > 1 and fine.sum() > 0.5 * n else (n, borders)
+
+
+def _near(a: np.ndarray, along: np.ndarray, across: np.ndarray, rims: np.ndarray) -> list[tuple[float, float]]:
+    """Intervals along a side of a parallelogram in which rims run that lie close to it and go the other way."""
+    out, length = [], float(np.linalg.norm(along))
+    square = np.stack([along, across])
+    for p, q in rims:
+        way = float(np.linalg.norm(q - p))
+        if abs(float((q - p) @ along)) > 0.3 * way * length:
+            continue
+        rim = p + np.linspace(0, 1, 33)[:, None] * (q - p)
+        place = np.clip(np.linalg.lstsq(square.T, (rim - a).T, rcond=None)[0].T, 0, 1)
+        close = np.linalg.norm(a + place @ square - rim, axis=1) < RIM_REACH
+        if close.mean() * way > RIM_LENGTH:
+            at = (rim[close] - a) @ along / length
+            out.append((float(at.min()) - RIM_REACH, float(at.max()) + RIM_REACH))
+    return out
 
 
 def _half(across: float, up: float, slant: float, side: float) -> tuple:

@@ -129,7 +129,7 @@ class HangingCloth:
 
     def _inner(self) -> np.ndarray:
         """The part of the sheet that paths begin at: least x and y, largest."""
-        low, high = np.array(self.sheet.rectangle).reshape(2, 2)
+        low, high = np.array(self.sheet.piece).reshape(2, 2)
         margin = np.minimum(MARGIN, 0.2 * (high - low))
         return np.concatenate([low + margin, high - margin])
 
@@ -149,7 +149,7 @@ class HangingCloth:
         way = thick / d[:, 2:] * d
         left = self._through(inputs, at - way, np.ones_like(at), at + way).reshape(ny, nx, RAYS, 3)
         # Ways round the curtain's edges say nothing of its cloth.
-        low, high = np.array(self.sheet.rectangle).reshape(2, 2)
+        low, high = np.array(self.sheet.piece).reshape(2, 2)
         ends = np.stack([at - way, at + way])[..., :2]
         inside = ((ends > low) & (ends < high)).all((0, 2)).reshape(square.shape)
         mean = (left * inside[..., None]).sum(2, dtype=float) / np.maximum(inside.sum(2), 1)[..., None]

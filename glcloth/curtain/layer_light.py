@@ -19,9 +19,7 @@ from ..gpu.programs import programs
 from ..tracing.fabrics import NOWHERE
 from ..tracing.shot import Shot
 from .folds import Folds, HangingCloth
-from .form_factors import PROXIES, Sheet
-
-CELLS = PROXIES[0] * PROXIES[1]
+from .form_factors import CELLS, Sheet
 
 
 class HangingPiece(NamedTuple):

@@ -21,7 +21,7 @@ from ..gpu.memo import Last
 from ..light.environment import Environment, load_environment, rotation_y
 from ..light.lights import Suns
 from ..light.suns import split_suns
-from ..progress import track
+from ..progress import track, warn
 from ..scene import CurtainParameters, Scene
 from ..tracing.denoise import check_denoiser, denoised
 from ..tracing.lamp import Lamp, Lighting
@@ -29,6 +29,7 @@ from ..tracing.path import PathSums, followed, samples_of
 from ..tracing.shot import MOST_SPP, HangingGrid, Shot, TraceSettings
 from ..tracing.tracer import Tracer
 from ..tracing.tree_view import TreeContent, draw_tree
+from .charts import most_parts, parts_of
 from .curtains import BEHIND, FRONT, Curtains
 from .form_factors import SLICES, Sheet
 from .hanging import pleated_rail
@@ -41,6 +42,10 @@ CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
 PHOTON_STRUCTURE = "kdtree"  # of photons where rays are traced through one that takes several dispatches
 VIEWS = ("front", "three-quarter", "close")  # walls hide it from the others
+SIDES, TWO_SIDES = (
+    0.3,
+    1.0,
+)  # of the depth of folds, how far the last ones close the gap beside a curtain, and beside two
 VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
 
 
@@ -95,6 +100,8 @@ class CurtainShow:
             raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
         self.room: Room = load_room(scene.room) if scene.room else with_rod(load_room(ROOM), parameters)
         self._room = scene.room, _changed_at(scene.room)
+        self._too_many_parts = parts_of(self.room.positions, self.room.material) > most_parts()
+        self.scene = self._as_it_can_be_lit(scene)
         if triangles is not None:
             if parameters.open or parameters.behind:
                 raise InputError("--triangles: of a curtain of one piece; leave open and behind out")
@@ -175,8 +182,23 @@ class CurtainShow:
             self.environment = environment
         elif any(getattr(scene, name) != getattr(here, name) for name in ("env", "layer", "env_layout")):
             self.environment = load_environment(scene.env, scene.layer, scene.env_layout)
-        self.scene, self.fabric, self.behind, self._lit_frame = scene, fabric, behind, -1
+        self.scene, self.fabric, self.behind, self._lit_frame = self._as_it_can_be_lit(scene), fabric, behind, -1
         return True
+
+    def _as_it_can_be_lit(self, scene: Scene) -> Scene:
+        """A scene that does not say how the room is lit has even light where its room has more parts than radiosity takes."""
+        if (
+            not self._too_many_parts
+            or scene.method == "path"
+            or scene.gi != "radiosity"
+            or "gi" in scene.model_fields_set
+        ):
+            return scene
+        warn(
+            f"{scene.room}: {parts_of(self.room.positions, self.room.material)} parts, more than --gi radiosity takes "
+            f"({most_parts()}): even light instead; simplify it, or take --gi photons"
+        )
+        return scene.changed(gi="off")
 
     def goes_on_to(self, scene: Scene) -> bool:
         """Whether the frame of another scene is one of those that come: the same cloth in the same room and wind."""
@@ -281,14 +303,30 @@ class CurtainShow:
         """The light around the room, made at first use."""
         if self._radiosity is None:
             m, s = self.simulation.parameters, self.simulation
-            rails = [pleated_rail(one.parameters, one.columns)[:, 1].mean() for one in s.pieces]
-            sheet = Sheet(-m.width / 2, m.upper - m.drop, m.width / 2, m.upper, float(np.mean(rails)))
+            # Of two curtains, the one behind says what light gets round both.
+            nearest = s.pieces_of(BEHIND) or s.pieces
+            rails = [pleated_rail(one.parameters, one.columns)[:, 1].mean() for one in nearest]
+            sheet = Sheet(
+                -m.width / 2, m.upper - m.drop, m.width / 2, m.upper, float(np.mean(rails)), *self._spread(),
+                min(m.open, m.behind_open) if m.behind else m.open,
+            )  # fmt: skip
             grids = [
                 HangingPiece(one.rows - 1, one.columns - 1, panel.shift / m.width, panel.parameters.width / m.width)
                 for one, panel in zip(s.pieces, s.panels, strict=True)
             ]
             self._radiosity = Radiosity(self.ctx, self.room, sheet, self._hung, grids, self._each_alone())
         return self._radiosity
+
+    def _spread(self) -> tuple[float, float]:
+        """By how much the sides of a piece of cloth are further out a metre below the rail, as it hangs, and how far its last
+        folds close the gap to the wall."""
+        m, one, panel = self.simulation.parameters, self.simulation.pieces[0], self.simulation.panels[0]
+        count = self.simulation.triangle_counts[0]
+        p = self._hung.positions()[:count].reshape(one.rows - 1, -1, 3)
+        low = p[-2:, :, 0]
+        flare = (float(np.ptp(low)) - panel.parameters.width) / 2 / m.drop
+        rail = pleated_rail(panel.parameters, one.columns)[:, 1]
+        return max(flare, 0.0), (TWO_SIDES if self.simulation.has_behind else SIDES) * float(np.ptp(rail)) / 2
 
     def _each_alone(self) -> list[Triangles]:
         """Of two curtains each, as it hangs without wind."""
@@ -330,7 +368,7 @@ class CurtainShow:
 
         other : as another scene says
         """
-        scene = other or self.scene
+        scene = self.scene if other is None else self._as_it_can_be_lit(other)
         if scene.gi == "off":
             return shot
         split = dataclasses.replace(

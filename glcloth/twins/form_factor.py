@@ -50,3 +50,16 @@ def quad_factor(a, b, c, d, n):
         leaves = leaves | (p_up & ~q_up)
     total = total + np.where(leaves, edge_factor(left, entered, n), 0.0)
     return np.maximum(-total, 0.0) / (2 * np.pi)
+
+
+def lean_weights(lean):
+    """By what of values at the leans 0, 0.1, 0.25 and 0.5 one at another lean is interpolated, [..., 4].   [own]"""
+    s = np.clip(np.asarray(lean, float), -0.02, 0.5)
+    out = np.zeros((*s.shape, 4))
+    for first, here in ((0, s < 0.25), (1, s >= 0.25)):
+        known = np.array([0.0, 0.1, 0.25, 0.5])[first : first + 3]
+        for k in range(3):
+            others = np.delete(known, k)
+            value = (s - others[0]) * (s - others[1]) / np.prod(known[k] - others)
+            out[..., first + k] = np.where(here, value, out[..., first + k])
+    return out

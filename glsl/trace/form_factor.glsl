@@ -51,3 +51,14 @@ float quad_factor(vec3 a, vec3 b, vec3 c, vec3 d, vec3 n) {
     sum += any(up) && !all(up) ? edge_factor(left, entered, n) : 0.0;
     return max(-sum, 0.0) / 6.283185307179586;
 }
+
+// [own]  By what of values known at the leans 0, 0.1, 0.25 and 0.5 one at another lean is interpolated: by parabolas through three.
+vec4 lean_weights(float lean) {
+    float s = clamp(lean, -0.02, 0.5);
+    bool low = s < 0.25;
+    float a = low ? 0.0 : 0.1;
+    float b = low ? 0.1 : 0.25;
+    float c = low ? 0.25 : 0.5;
+    vec3 w = vec3((s - b) * (s - c) / ((a - b) * (a - c)), (s - a) * (s - c) / ((b - a) * (b - c)), (s - a) * (s - b) / ((c - a) * (c - b)));
+    return low ? vec4(w, 0.0) : vec4(0.0, w);
+}

@@ -96,6 +96,7 @@ def edges_about(rng, count):
 
 
 DOMAINS = {"axis": choice(0, 1, 2), "a": vectors(2.0), "b": vectors(2.0), "c": vectors(2.0)}
+DOMAINS["lean"] = between(-0.3, 1.0, 0.0, 0.1, 0.25, 0.5)
 DOMAINS |= {
     name: woven.DOMAINS[name]
     for name in ("roughness", "roughness_p", "eta_1", "eta_2", "rho", "k_a", "k_t", "diffuse", "tau")

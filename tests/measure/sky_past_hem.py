@@ -50,13 +50,17 @@ with glcloth.Renderer() as renderer:
     x = charts.positions + 1e-3 * charts.normals
     small, turn = without_suns(show.environment), rotation_y(-show.scene.env_rotate)
     model, true = np.zeros((N, 3)), np.zeros((N, 3))
-    for corners, F in zip(factors.openings, factors.factors[factors.light_senders :, :N], strict=True):
+    behind = factors.crossing()[len(charts.patches) :]
+    for corners, F, through_it in zip(
+        factors.openings, factors.factors[factors.light_senders :, :N], behind, strict=True
+    ):
         sees = np.flatnonzero(F)
         end = np.broadcast_to(corners.mean(0), (len(sees), 3))
         d = end - x[sees]
         d /= np.linalg.norm(d, axis=1, keepdims=True)
-        light = np.pi * np.abs(F[sees])[:, None] * equirect.lookup(small, d @ turn.T)
-        model[sees] += light * np.where((F[sees] < 0)[:, None], folds.along(d), 1.0)
+        light = np.pi * F[sees, None] * equirect.lookup(small, d @ turn.T)
+        share = through_it[sees, None]
+        model[sees] += light * (1.0 - share + share * folds.along(d))
         true[sees] += light * through(show, inputs, x[sees], end)
     E, area = radiosity.irradiance()[:N], charts.area * (factors.openness() >= 0.35)
     p = charts.positions

@@ -11,7 +11,7 @@ from glcloth.accel.queries import RayQueries
 from glcloth.accel.structure import make_structure
 from glcloth.accel.triangles import Triangles
 from glcloth.curtain.charts import OPEN, make_charts
-from glcloth.curtain.form_factors import FormFactors, Sheet, factor_steps
+from glcloth.curtain.form_factors import CELLS, FormFactors, Sheet, factor_steps
 from glcloth.curtain.room import Room, box, inside_out
 from glcloth.curtain.show import CurtainShow
 from glcloth.errors import InputError
@@ -19,7 +19,7 @@ from glcloth.fabric import load_fabric
 from glcloth.gpu.tally import counting
 from glcloth.light.environment import Environment
 from glcloth.scene import CurtainParameters, Scene
-from glcloth.twins.form_factor import quad_factor
+from glcloth.twins.form_factor import lean_weights, quad_factor
 from glcloth.twins.random import cosine_direction
 
 FAR = Sheet(-0.1, 50.0, 0.1, 50.1, 99.0)  # a curtain that hides nothing
@@ -111,6 +111,88 @@ def test_what_has_no_area_is_no_part_of_a_room(ctx):
     np.testing.assert_array_equal(factors_of(ctx, flat, 0.3).factors, factors_of(ctx, plain, 0.3).factors)
     with pytest.raises(InputError, match="no triangle has an area"):
         make_charts(flat[6:10])
+
+
+def test_factors_of_a_sheet_that_leans(ctx):
+    """A wall behind it sees more of its back; a part of a factor may cross it; between known leans factors are interpolated."""
+    room = inside_out(box("grey", (-1, 0, 0), (1, 2, 2)))
+    f = factors_of(ctx, triangles_of(room), 0.25, Sheet(-0.6, 0.4, 0.6, 1.8, 0.2))
+    x, n = f.charts.positions, f.charts.normals
+    P, N = len(f.charts.patches), len(x)
+    beside = (n[:, 2] > 0.9) & (np.abs(x[:, 0]) > 0.7) & (x[:, 1] < 1)
+    back = [F[CELLS:].sum(0)[beside].mean() for F in (f.factors[P : P + 2 * CELLS, :N], *f.leaning)]
+    assert (np.diff(back) > 0).all() and back[0] > 0
+    share = f.crossing()
+    assert share.min() == 0 and share.max() == 1 and ((share > 0) & (share < 1)).any()
+    # From the middle of the wall behind all ways to the wall opposite cross it, and none from beside.
+    opposite = (f.charts.patches[..., 2] > 1.99).all(1)
+    middle = (n[:, 2] > 0.9) & (np.hypot(x[:, 0], x[:, 1] - 1) < 0.2)
+    assert middle.any() and (share[:P][opposite][:, middle] == 1).all()
+    assert (f.crossing(3)[:P][:, beside] != share[:P][:, beside]).any()
+    for lean, known in zip((0.0, 0.1, 0.25, 0.5), np.eye(4), strict=True):
+        np.testing.assert_allclose(lean_weights(lean), known, atol=1e-12)
+    assert lean_weights(0.17) @ np.array([0.0, 0.01, 0.0625, 0.25]) == pytest.approx(0.17**2)
+
+
+def test_each_column_leans_as_it_hangs(ctx):
+    """The weights that the passes read are those of a line through where its samples are now."""
+    with CurtainShow(ctx, SMALL.changed(curtain=CURTAIN.changed(wind=1.0))) as one:
+        rest, _ = one.simulation.positions().copy(), one.picture()
+        one.advance(12)
+        _, E = lit(one)
+        light = one.radiosity
+        leans = np.frombuffer(light._buffers["leans"].read(16 * 13), np.float32).reshape(13, 4)
+        moved = one.simulation.positions()
+        chosen, columns = (
+            np.concatenate(light._cell_triangles),
+            np.repeat(np.arange(CELLS) % 12, list(map(len, light._cell_triangles))),
+        )
+        before, after = (
+            np.stack([p[:-1, :-1], p[:-1, 1:], p[1:, :-1], p[1:, 1:]], 2).reshape(-1, 4, 3) for p in (rest, moved)
+        )
+        quads = np.stack(
+            [np.stack([q[:, [0, 2, 1]], q[:, [1, 2, 3]]], 1).reshape(-1, 3, 3).mean(1) for q in (before, after)]
+        )
+        below, off = light.factors.sheet.y_1 - quads[0, chosen, 1], (quads[1] - quads[0])[chosen, 2]
+        for column in range(12):
+            own = columns == column
+            slope = (below[own] * off[own]).sum() / (below[own] ** 2).sum()
+            np.testing.assert_allclose(leans[column], lean_weights(slope), atol=5e-3)
+            assert slope > 0.02
+        np.testing.assert_allclose(leans[12], leans[:12].mean(0), atol=1e-5)
+        assert np.isfinite(E).all()
+
+
+def test_a_pair_has_a_gap(ctx):
+    """Between its pieces no cell is seen, and nothing crosses."""
+    f = factors_of(
+        ctx,
+        triangles_of(inside_out(box("grey", (-1, 0, 0), (1, 2, 2)))),
+        0.25,
+        Sheet(-0.8, 0.2, 0.8, 1.8, 0.3, gap=0.8),
+    )
+    P, N = len(f.charts.patches), len(f.charts.positions)
+    cells, nodes = f.factors[P : P + 2 * CELLS, :N].sum(1) > 0, f.sheet.nodes()[0, :, 0]
+    np.testing.assert_array_equal(cells, np.tile(f.sheet.cloth, 2))
+    assert f.sheet.cloth.sum() == 80 and nodes[5] == pytest.approx(-0.4) and nodes[7] == pytest.approx(0.4)
+    straight = np.hypot(*(f.charts.positions[:, :2] - [0, 1]).T) < 0.2
+    ahead = (f.charts.patches[..., 2] > 1.99).all(1) & (np.abs(f.charts.patches[..., 0]).max(1) < 0.4)
+    behind = straight & (f.charts.positions[:, 2] < 0.01)
+    if ahead.any():
+        assert (f.crossing()[:P][ahead][:, behind] == 0).all()
+
+
+def test_a_room_of_too_many_parts_has_even_light(ctx, monkeypatch, capsys):
+    """One that does not say how it is lit; who asks for radiosity is refused."""
+    monkeypatch.setattr("glcloth.curtain.charts.MOST_PATCHES", 60)
+    scene = Scene(size=(8, 8), curtain=CURTAIN.changed(settle=0.02))
+    with CurtainShow(ctx, scene) as one:
+        assert one.scene.gi == "off" and one.picture().mean() > 0
+        assert one.change(scene.changed(exposure=0.0)) and one.scene.gi == "off"
+    warning = capsys.readouterr().err
+    assert warning.count("\n") == 1 and "even light instead" in warning and "--gi photons" in warning
+    with CurtainShow(ctx, scene.changed(gi="radiosity")) as one, pytest.raises(InputError, match="at most 60"):
+        one.picture()
 
 
 def test_too_many_parts_are_refused(monkeypatch):

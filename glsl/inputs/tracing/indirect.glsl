@@ -1,11 +1,13 @@
 // Light that comes from the room, the curtain and the sky, and not straight from the lamp: irradiance, from the texels that
 // glcloth/curtain/radiosity.py makes each frame.
+const int SHEET_GRID = 40;  // GRID of glcloth/curtain/radiosity.py
 uniform usamplerBuffer chart_of;       // of each triangle of the room
 uniform samplerBuffer chart_data;      // three texels a chart: (origin, first texel) and twice (gradient, cells)
 uniform samplerBuffer light_texels;    // of the charts, then of the curtain: for front and back, cell by cell, azimuths
 uniform int sheet_texels;              // the first of the curtain's
 uniform vec4 sheet_place;              // its least x and y; 1 / width, 1 / height
 uniform ivec2 sheet_cells;
+uniform samplerBuffer sheet_grid;      // in cells, at every 1 / 40 of it, across and up
 uniform float sheet_azimuth;           // sine of the azimuths to either side
 
 vec3 indirect_on_solid(int triangle, vec3 p, vec3 N_g) {
@@ -35,11 +37,20 @@ vec3 sheet_light(int cell, float s) {
     return mix(texelFetch(light_texels, k).rgb, texelFetch(light_texels, s < 0.0 ? k - 1 : k + 1).rgb, abs(s));
 }
 
+// A place on the sheet, in cells.
+vec2 sheet_cell_at(vec2 place) {
+    vec2 at = clamp(place, vec2(0.0), vec2(1.0)) * float(SHEET_GRID);
+    ivec2 i = min(ivec2(at), SHEET_GRID - 1);
+    vec2 f = at - vec2(i);
+    return vec2(mix(texelFetch(sheet_grid, i.x).x, texelFetch(sheet_grid, i.x + 1).x, f.x),
+                mix(texelFetch(sheet_grid, i.y).y, texelFetch(sheet_grid, i.y + 1).y, f.y));
+}
+
 // On the side of the curtain that N points to.
 vec3 sheet_light_at(vec3 p, vec3 N) {
     float s = clamp(N.x / sheet_azimuth, -1.0, 1.0);
     vec2 last = vec2(sheet_cells - 1);
-    vec2 at = clamp((p.xy - sheet_place.xy) * sheet_place.zw * vec2(sheet_cells) - 0.5, vec2(0.0), last);
+    vec2 at = clamp(sheet_cell_at((p.xy - sheet_place.xy) * sheet_place.zw) - 0.5, vec2(0.0), last);
     ivec2 i = ivec2(at);
     ivec2 j = min(i + 1, sheet_cells - 1);
     vec2 f = at - vec2(i);

@@ -4,16 +4,24 @@ layout(local_size_x = 64) in;
 #include "inputs/gpu/item.glsl"
 uniform samplerBuffer factors;    // of four senders at a time, receiver by receiver; negative: through the curtain
 uniform samplerBuffer sent;
-uniform samplerBuffer sky_light;  // of each receiver
+uniform samplerBuffer sky_light;  // of each receiver, as the curtain leans by the four known leans
+uniform samplerBuffer leans;      // weights of these; behind those of the columns the mean
 layout(std430) writeonly buffer Received { vec4 received[]; };
 uniform int receiver_count;
 uniform int sender_count;
+uniform int mean_lean;
 uniform vec3 passes;              // what the curtain lets straight through
 
 // Light of four senders by their factors.
 vec3 from_four(vec4 F, vec3 a, vec3 b, vec3 c, vec3 d) {
     return F.x * (F.x < 0.0 ? -passes * a : a) + F.y * (F.y < 0.0 ? -passes * b : b)
            + F.z * (F.z < 0.0 ? -passes * c : c) + F.w * (F.w < 0.0 ? -passes * d : d);
+}
+
+vec3 sky_at(int r) {
+    vec4 w = texelFetch(leans, mean_lean);
+    return w.x * texelFetch(sky_light, 4 * r).rgb + w.y * texelFetch(sky_light, 4 * r + 1).rgb
+           + w.z * texelFetch(sky_light, 4 * r + 2).rgb + w.w * texelFetch(sky_light, 4 * r + 3).rgb;
 }
 
 // An invocation takes four receivers, so that it reads what is sent once for all of them.
@@ -42,8 +50,8 @@ void main() {
         sum_3 += from_four(texelFetch(factors, row + read.w), a, b, c, d);
         k += 4;
     } while (k < sender_count);
-    received[r.x] = vec4(texelFetch(sky_light, r.x).rgb + sum_0, 0.0);
-    if (r.y < receiver_count) received[r.y] = vec4(texelFetch(sky_light, r.y).rgb + sum_1, 0.0);
-    if (r.z < receiver_count) received[r.z] = vec4(texelFetch(sky_light, r.z).rgb + sum_2, 0.0);
-    if (r.w < receiver_count) received[r.w] = vec4(texelFetch(sky_light, r.w).rgb + sum_3, 0.0);
+    received[r.x] = vec4(sky_at(r.x) + sum_0, 0.0);
+    if (r.y < receiver_count) received[r.y] = vec4(sky_at(r.y) + sum_1, 0.0);
+    if (r.z < receiver_count) received[r.z] = vec4(sky_at(r.z) + sum_2, 0.0);
+    if (r.w < receiver_count) received[r.w] = vec4(sky_at(r.w) + sum_3, 0.0);
 }
