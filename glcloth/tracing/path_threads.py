@@ -19,7 +19,7 @@ from ..methods.weave_maps import WeaveMaps, far_footprint
 
 LANES = 4  # tangents in a vec4, in their order
 # Samples lie all over a pixel, which averages them; if each had the pixel's whole size threads would be blurred twice. With
-# half its side means stay within .5 % of the far cloth to 70 degrees; with a quarter what yarns hide (methods/relief.py) errs
+# half its side means stay within .7 % of the far cloth to 70 degrees; with a quarter what yarns hide (methods/relief.py) errs
 # by 1 %.
 SAMPLE_SIDE = 0.5
 INCLUDE = {"inputs/picture/pixel_uv.glsl": "inputs/tracing/path_uv.glsl"}
