@@ -10,11 +10,13 @@ from glcloth.cli import main
 from glcloth.errors import InputError
 from glcloth.fabric import FABRICS, Fabric, Yarn, builtin_fabrics, load_fabric, save_fabric
 from glcloth.methods.albedo import diffuse_albedo
+from glcloth.twins import footprint
 from glcloth.twins.cloth import f_cloth
 from glcloth.weave import pile
 from glcloth.weave import tile as tiles
 from glcloth.weave.draft import Draft
 from glcloth.weave.floats import float_lengths
+from glcloth.weave.levels import levels_of, side_by_side
 from glcloth.weave.maps import mip_levels
 from glcloth.weave.model import Weave
 from glcloth.weave.named import WEAVES, named_draft, twill
@@ -606,3 +608,28 @@ def test_the_drawdown_is_drawn_as_weavers_draw_it():
     for start in (0, 17 * cell):
         middle = picture[cell // 2 :: cell, start + cell // 2 : start + 16 * cell : cell]
         assert np.array_equal(middle[..., 0] > middle[..., 2], up)
+
+
+@pytest.mark.parametrize(("shape", "end"), [((64, 128), 3), ((16, 16), 0), ((512, 512), 4)])
+def test_versions_of_a_map_keep_its_mean_and_repeat(shape, end):
+    levels = levels_of(*shape, end)
+    maps = np.random.default_rng(1).random((2, *shape))
+    beside = side_by_side(maps, levels, "f8")
+    taken = np.zeros(levels.shape, int)
+    for lod, (h, w), (row, column) in zip(levels.lods, levels.sizes, levels.places, strict=True):
+        version = beside[:, row : row + h, column : column + w]
+        np.testing.assert_allclose(version.mean((1, 2)), maps.mean((1, 2)), rtol=1e-12)
+        np.testing.assert_array_equal(beside[:, row : row + h, column - 1], version[:, :, -1])
+        np.testing.assert_array_equal(beside[:, row + h, column : column + w], version[:, 0])
+        assert (h, w) == tuple(max(round(n * 0.5**lod), 1) for n in shape)
+        taken[row - 1 : row + h + 1, column - 1 : column + w + 1] += 1
+    assert taken.max() == 1
+    steps = np.diff(levels.lods)
+    assert levels.lods[0] == 0.0 and levels.sizes[-1] == (1, 1) and set(steps) <= {0.25, 1.0}
+    np.testing.assert_array_equal(
+        steps == 0.25, (np.array(levels.lods[:-1]) >= levels.whole) & (np.array(levels.lods[:-1]) < end)
+    )
+    # The shader's numbers are these versions.
+    number = footprint.level_number(np.array(levels.lods), (levels.whole, levels.end, len(levels.lods)), 0.5)
+    np.testing.assert_array_equal(number, np.stack([np.arange(len(levels.lods)), np.zeros(len(levels.lods))], -1))
+    np.testing.assert_array_equal(footprint.level_of_number(number[:, 0], (levels.whole, levels.end, 0)), levels.lods)
