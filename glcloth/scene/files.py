@@ -93,7 +93,7 @@ def save_scene(path: str | Path, scene: Scene, comment: str = "") -> None:
     import tomli_w
 
     # A curtain that does not say its frame begins in the window where its wind does.
-    unsaid = {"frame"} - scene.model_fields_set
+    unsaid = scene.unsaid | ({"frame"} - scene.model_fields_set)
     data = scene.model_dump(mode="json", exclude_none=True, exclude=unsaid)
     data = with_paths(data, partial(_from, Path(os.path.realpath(path_of(path))).parent))
     with atomic_write(path) as temporary:

@@ -341,7 +341,13 @@ class Scene(Value):
 
     def stored(self) -> dict:
         """Its plain values as a picture keeps them: files by their whole path, so that it renders from any folder."""
-        return with_paths(self.model_dump(mode="json", exclude_none=True), _whole)
+        return with_paths(self.model_dump(mode="json", exclude_none=True, exclude=self.unsaid), _whole)
+
+    @property
+    def unsaid(self) -> set[str]:
+        """Fields that a file must not say where nobody has: how a room is lit, for one that is too large has even light then."""
+        light = {"gi", "ambient"}
+        return set() if light & self.model_fields_set else light
 
     def differences(self) -> dict:
         """The plain values that differ from those of a new scene of its kind, as a file or a script holds them."""

@@ -189,6 +189,8 @@ def test_a_room_of_too_many_parts_has_even_light(ctx, monkeypatch, capsys):
     with CurtainShow(ctx, scene) as one:
         assert one.scene.gi == "off" and one.picture().mean() > 0
         assert one.change(scene.changed(exposure=0.0)) and one.scene.gi == "off"
+    assert Scene.model_validate(scene.stored()) == scene and "gi" not in scene.stored()  # so its picture renders again
+    assert scene.changed(gi="radiosity").stored()["gi"] == "radiosity"
     warning = capsys.readouterr().err
     assert warning.count("\n") == 1 and "even light instead" in warning and "--gi photons" in warning
     with CurtainShow(ctx, scene.changed(gi="radiosity")) as one, pytest.raises(InputError, match="at most 60"):
