@@ -29,12 +29,8 @@ OF_A_PIECE = np.cumsum([0, 5, 9, 11, 9, 6]) / 40
 UP = np.cumsum([0, 5, 6, 7, 7, 6, 5, 3, 1]) / 40
 PROXIES = (len(ACROSS) - 1, len(UP) - 1)
 CELLS = PROXIES[0] * PROXIES[1]
-LEANS = (
-    0.0,
-    0.1,
-    0.25,
-    0.5,
-)  # by how much the sheet is further into the room a metre below its rail, where factors are known
+# By how much the sheet is further into the room a metre below its rail, where factors are known.
+LEANS = (0.0, 0.1, 0.25, 0.5)
 AZIMUTHS_DEG = (-55.0, 0.0, 55.0)  # of the sheet's normals: folds hang, so that these are all they turn to
 OPENING = 0.4  # m, the side of a cell of an opening
 LEAKS = 0.02  # the share of leaving rays that says nothing of openings

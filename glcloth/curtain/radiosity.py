@@ -167,7 +167,7 @@ class Radiosity:
         entries = np.zeros((len(element), 4), np.float32)
         entries[:, :3] = more[:, sender, element].T
         column = np.minimum(f.columns[sender, element], PROXIES[0] - 1)
-        entries[:, 3] = (sender.astype(np.uint32) << 4 | column.astype(np.uint32)).view(np.float32)
+        entries[:, 3] = 16 * sender + column  # exact; bits of a whole number would be a float that GPUs may flush to 0
         number = np.bincount(element, minlength=N)
         self._put("crossing_lists", np.stack([np.cumsum(number) - number, number], 1).astype(np.uint32), "rg32ui")
         self._put("crossing_entries", entries if len(entries) else np.zeros((1, 4), np.float32))

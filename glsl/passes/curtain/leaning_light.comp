@@ -7,7 +7,7 @@ uniform samplerBuffer cells;      // cell by cell, of each element: factors at f
 uniform samplerBuffer leans;      // weights of these, column by column
 uniform samplerBuffer sent;
 uniform usamplerBuffer lists;     // of each element: its first entry in `crossing`, and how many
-uniform samplerBuffer crossing;   // how much more of a factor crosses at the second lean, the third, the fourth; bits: sender, column
+uniform samplerBuffer crossing;   // how much more of a factor crosses at the second lean, the third, the fourth; 16 sender + column
 layout(std430) buffer Received { vec4 received[]; };
 uniform int element_count;
 uniform int patch_count;
@@ -24,7 +24,7 @@ vec3 let_by(int i) {
     vec3 sum = vec3(0.0);
     for (uint k = list.x; k < list.x + list.y; ++k) {
         vec4 entry = texelFetch(crossing, int(k));
-        int who = floatBitsToInt(entry.w);
+        int who = int(entry.w);
         float more = dot(entry.xyz, texelFetch(leans, who & 15).yzw);
         sum -= more * texelFetch(sent, who >> 4).rgb;
     }
