@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, meant
 from .mesh import Mesh, relative_to
 from .raw import Names
 
@@ -46,10 +45,8 @@ def chosen(meshes: Sequence[Mesh], patterns: Sequence[str], what: str = "fabrics
     for pattern in patterns:
         if not any(fit(pattern, names) for of_mesh in parts for names in of_mesh):
             listed = ", ".join(known[:SHOWN]) + (f" and {len(known) - SHOWN} more" if len(known) > SHOWN else "")
-            by_case = {name.casefold(): name for name in known}
-            close = difflib.get_close_matches(pattern.casefold(), by_case, 1, 0.5)
-            longer = any(pattern.casefold() in name for name in by_case) and not set("*?") & set(pattern)
-            hint = f"; did you mean {by_case[close[0]]}?" if close else f"; did you mean *{pattern}*?" if longer else ""
+            longer = any(pattern.casefold() in name.casefold() for name in known) and not set("*?") & set(pattern)
+            hint = meant(pattern, known, "; did you mean {}?") or (f"; did you mean *{pattern}*?" if longer else "")
             hint += "; a colour of a fabric mask is #rgb or #rrggbb" if pattern.startswith("#") and not hint else ""
             raise InputError(f"{what}: no part is called {pattern}, expected {listed}{hint}")
 

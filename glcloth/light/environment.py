@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..files import path_of
 from ..formats.exr import is_cube
 from ..image import READABLE, read_image
@@ -101,10 +100,8 @@ def load_environment(name_or_path: str | Path, layer: str = "", layout: str = "a
         return _built_in(text)
     path = path_of(text)
     if not (path.exists() or path.suffix or "/" in text or "\\" in text):
-        near = difflib.get_close_matches(text.lower(), BUILT_IN, 1, 0.5)
-        hint = f"did you mean {near[0]}? " if near else ""
         raise InputError(
-            f"environment {text!r}: unknown; {hint}give one of {', '.join(BUILT_IN)}, or a .exr or .hdr file"
+            f"environment {text!r}: unknown; {meant(text, BUILT_IN)}give one of {', '.join(BUILT_IN)}, or a .exr or .hdr file"
         )
     if path.is_file() and path.suffix.lower() not in READABLE:
         raise InputError(

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..cryptomatte import channels, metadata, ranked
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..geometry.camera import Camera
 from ..gpu.buffers import read_texture
 from ..gpu.gbuffer import GBuffer
@@ -50,9 +49,7 @@ def chosen(names: str | Iterable[str], method: str = "") -> tuple[str, ...]:
         return tuple(name for name in AOVS if method != "path" or name not in LIGHT)
     for name in names:
         if name not in AOVS:
-            close = difflib.get_close_matches(name, AOVS, 1)
-            hint = f"did you mean {close[0]}? " if close else ""
-            raise InputError(f"aov {name!r}: unknown; {hint}expected some of {','.join(AOVS)}, or all")
+            raise InputError(f"aov {name!r}: unknown; {meant(name, AOVS)}expected some of {','.join(AOVS)}, or all")
         if method == "path" and name in LIGHT:
             raise InputError(
                 f"aov {name}: method path keeps kinds of light in one sum; take another method, or leave it out"

@@ -6,12 +6,11 @@ Rows are picks from the top, columns are ends from the left. Sources: Oelsner 19
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Callable
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, meant
 from .draft import USUAL_CM, Draft
 from .figures import damask_figure, lace_cut
 
@@ -146,8 +145,7 @@ def named_draft(name: str) -> Draft:
     Raises InputError for an unknown name, with a suggestion.
     """
     if name not in WEAVES:
-        close = difflib.get_close_matches(name.lower(), WEAVES, 1, 0.4)
-        hint = f'; did you mean "{close[0]}"?' if close else ""
+        hint = meant(name, WEAVES, '; did you mean "{}"?')
         raise InputError(f'weave "{name}": not a named weave ({", ".join(WEAVES)}) and not a .wif file{hint}')
     drawdown = WEAVES[name]()
     if name == "lace":
