@@ -42,10 +42,8 @@ CLOTH = 0  # the number of the cloth's material; the room's follow
 CLOTH_TINT = (0.85, 0.85, 0.88)  # of the curtain in the view of the tree
 PHOTON_STRUCTURE = "kdtree"  # of photons where rays are traced through one that takes several dispatches
 VIEWS = ("front", "three-quarter", "close")  # walls hide it from the others
-SIDES, TWO_SIDES = (
-    0.3,
-    1.0,
-)  # of the depth of folds, how far the last ones close the gap beside a curtain, and beside two
+# Of the depth of folds, how far the last ones close the gap beside a curtain, and beside two.
+SIDES, TWO_SIDES = 0.3, 1.0
 VIEW = Camera((0.9, 1.5, 3.75), (-0.12, 1.25, 0.0), fov_deg=50.0)
 
 
@@ -100,7 +98,7 @@ class CurtainShow:
             raise InputError("a scene without a curtain; give one with the table curtain, such as Scene(curtain={})")
         self.room: Room = load_room(scene.room) if scene.room else with_rod(load_room(ROOM), parameters)
         self._room = scene.room, _changed_at(scene.room)
-        self._too_many_parts = parts_of(self.room.positions, self.room.material) > most_parts()
+        self._parts = parts_of(self.room.positions, self.room.material)
         self.scene = self._as_it_can_be_lit(scene)
         if triangles is not None:
             if parameters.open or parameters.behind:
@@ -188,15 +186,15 @@ class CurtainShow:
     def _as_it_can_be_lit(self, scene: Scene) -> Scene:
         """A scene that does not say how the room is lit has even light where its room has more parts than radiosity takes."""
         if (
-            not self._too_many_parts
+            self._parts <= most_parts()
             or scene.method == "path"
             or scene.gi != "radiosity"
             or "gi" in scene.model_fields_set
         ):
             return scene
         warn(
-            f"{scene.room}: {parts_of(self.room.positions, self.room.material)} parts, more than --gi radiosity takes "
-            f"({most_parts()}): even light instead; simplify it, or take --gi photons"
+            f"{scene.room}: {self._parts} parts, more than --gi radiosity takes ({most_parts()}): even light instead; simplify "
+            "it, or take --gi photons"
         )
         return scene.changed(gi="off")
 
