@@ -7,7 +7,7 @@ on earlier frames. Each column of the curtain leans by itself: factors are known
 
     B = S + K B,  S = what senders send of the lamp and the sky,  E = E_sky + F B
 
-Senders are the room's patches and the cells of the curtain as a flat sheet with two sides, which send what `folds` found.
+Senders are the room's patches and the cells of the curtain as a sheet with two sides, which send what `folds` found.
 K is one bounce; (1 - K)^-1 is found once for a fabric, so that a frame needs one product.
 """
 
@@ -26,6 +26,7 @@ from ..accel.structure import Structure, make_structure
 from ..accel.triangles import Triangles
 from ..color import luminance
 from ..gpu.buffers import TextureBuffer
+from ..gpu.layout import shared
 from ..gpu.memo import Last
 from ..gpu.programs import programs
 from ..light import equirect
@@ -40,7 +41,7 @@ from .room import Room
 
 LAMP_POINTS = np.array([[-0.25, -0.25], [0.25, -0.25], [-0.25, 0.25], [0.25, 0.25]])  # of an element, in its sides
 CLOTH_SAMPLES = 22  # triangles of a cell of the curtain to which the lamp's rays are cast
-GRID = 40  # borders of the cells of the sheet lie at so manieth parts of it
+GRID = shared("inputs/tracing/indirect.glsl")[0]["SHEET_GRID"]  # borders of cells lie at so manieth parts of the sheet
 LEAST_CROSSING = 3e-4  # of a factor: less that crosses the curtain only as it leans makes no difference
 SKY_SIZE = (32, 64)  # the map that the sky is read from: texels as wide as a cell of an opening at least
 

@@ -1,6 +1,6 @@
 // Light that comes from the room, the curtain and the sky, and not straight from the lamp: irradiance, from the texels that
 // glcloth/curtain/radiosity.py makes each frame.
-const int SHEET_GRID = 40;  // GRID of glcloth/curtain/radiosity.py
+const int SHEET_GRID = 40;  // parts of the sheet; borders of its cells lie at some
 uniform usamplerBuffer chart_of;       // of each triangle of the room
 uniform samplerBuffer chart_data;      // three texels a chart: (origin, first texel) and twice (gradient, cells)
 uniform samplerBuffer light_texels;    // of the charts, then of the curtain: for front and back, cell by cell, azimuths
