@@ -156,6 +156,7 @@ class WeaveMaps:
     def release(self) -> None:
         """Free the GPU's memory."""
         self._release_maps()
+        self._noise["noise_levels"].release()
         if self._relief_table is not None:
             self._relief_table.release()
             self._relief_table = None
