@@ -3,22 +3,21 @@ are decoded."""
 
 from __future__ import annotations
 
-import difflib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, meant
 from ..progress import warn
 from .common import broken, check_pixels, silence
 from .primaries import converted, rec709_from
 
 RGB, LUMINANCE = ("R", "G", "B", "A"), ("Y", "RY", "BY", "A")
 FAULTS = (RuntimeError, ValueError, TypeError, KeyError, IndexError, OverflowError, MemoryError)
-# Layers that hold the whole picture, by what programs call them.
 DATA = {"normal": "N", "position": "P", "depth": "Z"}  # layers that are no pictures, and how most programs call them
+# Layers that hold the whole picture, by what programs call them.
 WHOLE = ("beauty", "combined", "rgba", "rgb", "color", "c", "image", "composite")
 
 
@@ -163,8 +162,7 @@ def _chosen(path: Path, layers: list[_Layer], wanted: str) -> _Layer:
             for layer, name in zip(layers, names, strict=True):
                 if fits(name) or fits(layer.name):
                     return layer
-        close = difflib.get_close_matches(wanted, names, 1)
-        hint = f"; did you mean {close[0]}?" if close else ""
+        hint = meant(wanted, names, "; did you mean {}?")
         raise InputError(f"{path}: has no layer {wanted}, expected {', '.join(dict.fromkeys(names))}{hint}")
     if len(layers) > 1 and (not layers[0].plain or layers[1].plain):
         others = ", ".join(dict.fromkeys(names[1:]))
