@@ -16,6 +16,8 @@ from glcloth.curtain.room import Room, box, inside_out
 from glcloth.curtain.show import CurtainShow
 from glcloth.errors import InputError
 from glcloth.fabric import load_fabric
+from glcloth.gpu.buffers import Buffer, TextureBuffer
+from glcloth.gpu.programs import programs
 from glcloth.gpu.tally import counting
 from glcloth.light.environment import Environment
 from glcloth.scene import CurtainParameters, Scene
@@ -129,6 +131,9 @@ def test_factors_of_a_sheet_that_leans(ctx):
     middle = (n[:, 2] > 0.9) & (np.hypot(x[:, 0], x[:, 1] - 1) < 0.2)
     assert middle.any() and (share[:P][opposite][:, middle] == 1).all()
     assert (f.crossing(3)[:P][:, beside] != share[:P][:, beside]).any()
+    wide = Sheet(-0.6, 0.4, 0.6, 1.8, 0.2, flare=0.1).nodes(0.25)
+    np.testing.assert_allclose(wide[0, [0, -1]], [[-0.74, 0.4, 0.55], [0.74, 0.4, 0.55]], atol=1e-6)
+    np.testing.assert_allclose(wide[-1, [0, -1]], [[-0.6, 1.8, 0.2], [0.6, 1.8, 0.2]], atol=1e-6)
     for lean, known in zip((0.0, 0.1, 0.25, 0.5), np.eye(4), strict=True):
         np.testing.assert_allclose(lean_weights(lean), known, atol=1e-12)
     assert lean_weights(0.17) @ np.array([0.0, 0.01, 0.0625, 0.25]) == pytest.approx(0.17**2)
@@ -161,6 +166,49 @@ def test_each_column_leans_as_it_hangs(ctx):
             assert slope > 0.02
         np.testing.assert_allclose(leans[12], leans[:12].mean(0), atol=1e-5)
         assert np.isfinite(E).all()
+
+
+def test_light_of_a_leaning_sheet(ctx):
+    """The passes add what the sheet's cells send at its columns' leans, and take away what crosses it there besides."""
+    rng = np.random.default_rng(4)
+    N, P, across, cells = 7, 5, 3, 6
+    leans, sent = rng.random((across, 4)), rng.random((P + 2 * cells, 4))
+    signed, changes = rng.normal(size=(cells, N, 4)), rng.normal(size=(2 * cells, P, 4))
+    shares, before = rng.random((P + 2 * cells, 4)), 20.0 + rng.random((N, 4))
+    number = np.array([2, 0, 3, 1, 0, 1, 2])
+    who, column = rng.integers(0, P, number.sum()), rng.integers(0, across, number.sum())
+    more, passes = rng.normal(size=(number.sum(), 3)), np.array([0.2, 0.5, 0.7])
+    lists = np.stack([np.cumsum(number) - number, number], 1).astype(np.uint32)
+    given = {
+        "cells": signed, "leans": leans, "sent": sent, "changes": changes, "shares": shares,
+        "crossing": np.column_stack([more, 16 * who + column]),
+    }  # fmt: skip
+    texels = {name: TextureBuffer(ctx, values.astype(np.float32)) for name, values in given.items()}
+    texels["lists"] = TextureBuffer(ctx, lists, "rg32ui")
+    received, leaning = Buffer(ctx, before.astype(np.float32)), Buffer(ctx, 16 * len(sent))
+    programs(ctx).compute("passes/curtain/leaning_light.comp").run(
+        -(-N // 4), **{k: texels[k] for k in ("cells", "leans", "sent", "lists", "crossing")}, Received=received,
+        element_count=N, patch_count=P, cell_count=cells, across=across, passes=tuple(passes),
+    )  # fmt: skip
+    programs(ctx).compute("passes/curtain/leaning_sent.comp").run(
+        len(sent), **{k: texels[k] for k in ("sent", "changes", "leans", "shares")}, Leaning=leaning, patch_count=P,
+        cell_count=2 * cells, across=across, sender_count=len(sent),
+    )  # fmt: skip
+    wanted = before[:, :3].copy()
+    for k in range(cells):
+        for side, F in enumerate((signed[k], -signed[k])):
+            wanted += (np.maximum(F, 0.0) @ leans[k % across])[:, None] * sent[P + side * cells + k, :3]
+    lost = (more * leans[column, 1:]).sum(1)[:, None] * sent[who, :3] * (1.0 - passes)
+    np.subtract.at(wanted, np.repeat(np.arange(N), number), lost)
+    found = np.frombuffer(received.read(16 * N), np.float32).reshape(N, 4)
+    np.testing.assert_allclose(found[:, :3], wanted, rtol=1e-5)
+    again = sent[:, :3].copy()
+    seen = np.stack([changes[k] @ leans[k % across] for k in range(2 * cells)])
+    again[:P] = np.maximum(again[:P] + shares[:P, :3] * (seen.T @ sent[P:, :3]), 0.0)
+    found = np.frombuffer(leaning.read(16 * len(sent)), np.float32).reshape(-1, 4)
+    np.testing.assert_allclose(found[:, :3], again, rtol=1e-4, atol=1e-5)
+    for buffer in (*texels.values(), received, leaning):
+        buffer.release()
 
 
 def test_a_pair_has_a_gap(ctx):

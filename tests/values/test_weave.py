@@ -10,6 +10,7 @@ from glcloth.cli import main
 from glcloth.errors import InputError
 from glcloth.fabric import FABRICS, Fabric, Yarn, builtin_fabrics, load_fabric, save_fabric
 from glcloth.methods.albedo import diffuse_albedo
+from glcloth.methods.weave_maps import strands_across
 from glcloth.twins import footprint
 from glcloth.twins.cloth import f_cloth
 from glcloth.weave import pile
@@ -633,3 +634,11 @@ def test_versions_of_a_map_keep_its_mean_and_repeat(shape, end):
     number = footprint.level_number(np.array(levels.lods), (levels.whole, levels.end, len(levels.lods)), 0.5)
     np.testing.assert_array_equal(number, np.stack([np.arange(len(levels.lods)), np.zeros(len(levels.lods))], -1))
     np.testing.assert_array_equal(footprint.level_of_number(number[:, 0], (levels.whole, levels.end, 0)), levels.lods)
+
+
+def test_thick_yarns_show_more_strands():
+    """As many as fit across a yarn of that spacing, and never less than six or more than fourteen."""
+    silk, middle, tweed = (
+        strands_across(load_fabric(name)) for name in ("habotai", "linen_heavy", "herringbone_tweed")
+    )
+    assert silk == 6.0 and 6.0 < middle < tweed == pytest.approx(20.0 / 17.5 / 0.09)
