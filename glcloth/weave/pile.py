@@ -21,7 +21,7 @@ DEEP = 0.6  # of a spacing, how much lower the pile is between tufts
 def pile_fields(tufts: tuple[int, int], pitch: float, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
     """The maps of a tile (system, thread, tilt, side, height), each [len(v), len(u)], at places v and u in tufts.
 
-    tufts : (rows, columns) of the repeat. pitch : cm from one to the next.
+    tufts : (rows, columns) of the repeat, those along v and along u. pitch : cm from one to the next.
 
     system : 0 where hairs lean along u, 1 along v. tilt : radians, 55 to 90 degrees, negative where they rise along +u or +v.
     side : 0, for a pile has no side. height : cm.

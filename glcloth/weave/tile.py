@@ -147,7 +147,7 @@ def _rewoven(shape: Shape, draft: Draft, old: Shape, old_draft: Draft) -> tuple[
 def _seen(shape: Shape, draft: Draft, v: np.ndarray, u: np.ndarray) -> tuple[np.ndarray, ...]:
     """The maps of a tile (system, thread, tilt, side, height) at places v and u, in mean spacings."""
     if draft.pile:
-        return pile_fields(draft.drawdown.shape, min(shape.pitch), v, u)
+        return pile_fields(draft.drawdown.shape[::-1], min(shape.pitch), v, u)
     picks, ends = draft.drawdown.shape
     warp, weft = _Threads(draft.warp_spacing, draft.warp_thickness), _Threads(draft.weft_spacing, draft.weft_thickness)
     layers = [

@@ -20,7 +20,7 @@ from glcloth.weave.floats import float_lengths
 from glcloth.weave.levels import levels_of, side_by_side
 from glcloth.weave.maps import mip_levels
 from glcloth.weave.model import Weave
-from glcloth.weave.named import WEAVES, named_draft, twill
+from glcloth.weave.named import WEAVES, named_draft, plain, twill
 from glcloth.weave.picture import weave_picture
 from glcloth.weave.report import weave_report
 from glcloth.weave.tangents import between, sums
@@ -339,6 +339,13 @@ def test_tufts_of_a_pile_lean_to_all_sides_alike(monkeypatch):
     # It goes on over the edge of the repeat as it does inside.
     steps = np.abs(np.diff(maps.share[0], axis=1)).mean(), np.abs(maps.share[0][:, 0] - maps.share[0][:, -1]).mean()
     assert steps[1] == pytest.approx(steps[0], rel=0.15)
+    for picks, ends in ((12, 48), (48, 12)):
+        height = (
+            weave.changed(draft=Draft(np.tile(plain(), (picks // 2, ends // 2)), pile=True)).tile((256, 256)).height
+        )
+        for axis in (0, 1):
+            over = np.abs(height.take(0, axis) - height.take(-1, axis)).mean()
+            assert over == pytest.approx(np.abs(np.diff(height, axis=axis)).mean(), rel=0.25)
     for name in ("NAP", "TUFT", "HAIR", "JITTER", "RAGGED"):
         monkeypatch.setattr(pile, name, 0.0)
     places = np.array([4.7, 4.3])  # right and left of the middle of a tuft
