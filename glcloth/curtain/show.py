@@ -183,11 +183,12 @@ class CurtainShow:
         self.scene, self.fabric, self.behind, self._lit_frame = self._as_it_can_be_lit(scene), fabric, behind, -1
         return True
 
-    def _as_it_can_be_lit(self, scene: Scene) -> Scene:
-        """A scene that does not say how the room is lit has even light where its room has more parts than radiosity takes."""
+    def _as_it_can_be_lit(self, scene: Scene, traced: bool = False) -> Scene:
+        """A scene that does not say how the room is lit has even light where its room has more parts than radiosity takes; paths
+        find their own, but where such a scene is traced all the same (`traced`), as in a window."""
         if (
             self._parts <= most_parts()
-            or scene.method == "path"
+            or (scene.method == "path" and not traced)
             or scene.gi != "radiosity"
             or "gi" in scene.model_fields_set
         ):
@@ -233,12 +234,13 @@ class CurtainShow:
         accelerator : another one than the scene's
         """
         accelerator = accelerator or self.scene.accelerator
-        if self.scene.gi == "radiosity":
+        gi = self._as_it_can_be_lit(self.scene, traced=True).gi
+        if gi == "radiosity":
             steps = self.radiosity.prepare()
             yield from track(steps, "light around the room: form factors", SLICES)
         if accelerator not in self._built:
             # Light that is found through the tree needs one that is known to be whole.
-            later = self.scene.gi == "off" and self.scene.method != "path"
+            later = gi == "off" and self.scene.method != "path"
             yield from self.tracer.build_steps(accelerator, later)
             self._built.add(accelerator)
 
@@ -366,7 +368,7 @@ class CurtainShow:
 
         other : as another scene says
         """
-        scene = self.scene if other is None else self._as_it_can_be_lit(other)
+        scene = self._as_it_can_be_lit(other or self.scene, traced=True)
         if scene.gi == "off":
             return shot
         split = dataclasses.replace(

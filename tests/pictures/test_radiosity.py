@@ -236,6 +236,11 @@ def test_a_room_of_too_many_parts_has_even_light(ctx, monkeypatch, capsys):
     with CurtainShow(ctx, scene) as one:
         assert one.scene.gi == "off" and one.picture().mean() > 0
         assert one.change(scene.changed(exposure=0.0)) and one.scene.gi == "off"
+        # By paths the room lights itself; a window, which traces such a scene, shows even light.
+        assert one.change(scene.changed(method="path")) and one.scene.gi == "radiosity"
+        one.build()
+        shot = one.shot()
+        assert one.lit(shot) is shot
     assert Scene.model_validate(scene.stored()) == scene and "gi" not in scene.stored()  # so its picture renders again
     assert scene.changed(gi="radiosity").stored()["gi"] == "radiosity"
     warning = capsys.readouterr().err
