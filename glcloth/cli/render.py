@@ -96,6 +96,8 @@ def _check_views(scene: Scene, show_tree: str | None, layers: bool) -> None:
         raise InputError(f"--show-tree {show_tree}: expected leaves, or a level such as 8")
     if show_tree is not None and scene.accelerator == "brute" and scene.gi != "photons":
         raise InputError("--show-tree: brute force has no tree; use --accelerator kdtree or lbvh")
+    if layers and scene.method == "path":
+        raise InputError("--layers: blended layers trace no paths; leave out --method path, or --layers")
 
 
 def _views(show: CurtainShow, show_tree: str | None, layers: bool) -> np.ndarray:

@@ -87,7 +87,8 @@ def animate(
         _film_here(film, start, video)
     seconds = time.perf_counter() - begin
     result = {"file": str(output), "frames": done, "seconds": round(seconds, 3)}
-    tell(json, result, f"{output}: {done} frames, {seconds / max(done, 1):.2f} s each")
+    said = f"{done} frames, {seconds / done:.2f} s each" if done else "no frame was missing"
+    tell(json, result, f"{output}: {said}")
 
 
 def _layers(aov: str | None, scene: Scene, output: Path) -> tuple[str, ...]:

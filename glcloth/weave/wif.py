@@ -177,6 +177,8 @@ class _Wif:
         said = any(tieup.values()) and any(treadling.values())
         if said or (tieup and treadling and not lift):
             tied = {treadle: frozenset(shafts) for treadle, shafts in tieup.items()}
+            if lost := {t for treadles in treadling.values() for t in treadles} - set(tied):
+                self.warnings.append(f"[TREADLING]: treadle {min(lost)} has no line in [TIEUP]: it lifts no shaft")
             made: dict[tuple, list[int]] = {}  # picks repeat, so each combination of treadles is joined once
             for treadles in treadling.values():
                 if (key := tuple(sorted(set(treadles)))) not in made:

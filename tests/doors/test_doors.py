@@ -383,6 +383,8 @@ def test_animate_writes_whole_frames_and_resumes(tmp_path, capsys):
     (pattern.parent / "002.exr").unlink()
     assert run("animate", "-o", pattern, *QUICK, "--frames", "3", "--start", "2") == 0
     assert np.array_equal(read_image(pattern.parent / "002.exr"), last)
+    assert run("animate", "-o", pattern, *QUICK, "--frames", "3", "--resume") == 0
+    assert "no frame was missing" in capsys.readouterr().err
     layered = tmp_path / "l%d.exr"
     assert run("animate", "-o", layered, *QUICK, "--frames", "1", "--aov", "depth,mask") == 0
     assert {"Z", "mask.A", "R"} <= set(OpenEXR.File(str(tmp_path / "l0.exr"), separate_channels=True).channels())
@@ -441,6 +443,12 @@ def test_only_the_built_in_cloth_and_the_curtain_know_the_wind(tmp_path, capsys)
     assert "20" in fails(capsys, "animate", "-o", frames, "--wind", "21")
     assert "curtain" in fails(capsys, "animate", "curtain", "-o", frames, "--turn-env", "90")
     assert "degrees" in fails(capsys, "animate", "-o", frames, *QUICK, "--turn-env", "nan")
+
+
+def test_blended_layers_trace_no_paths(tmp_path, capsys):
+    picture = tmp_path / "a.png"
+    assert "--layers" in fails(capsys, "render", "curtain", "-o", picture, "--layers", "--method", "path")
+    assert not picture.exists()
 
 
 def test_the_environment_turns_and_the_camera_rests(tmp_path):

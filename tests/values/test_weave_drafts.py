@@ -118,6 +118,11 @@ def test_several_treadles_and_several_shafts_are_joined():
     assert draft.drawdown[:, 0].tolist() == (UP[:, 0] | UP[:, 2]).tolist()
 
 
+def test_a_treadle_without_tie_up_is_said():
+    draft = parse_draft(with_lines("TREADLING", "2=77"))
+    assert "treadle 77" in draft.warnings[0] and not draft.drawdown[1].any()
+
+
 def test_spelling_is_free():
     text = (
         TWILL.replace("[THREADING]", "[Threading]  ; on the shafts")
